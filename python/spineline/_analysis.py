@@ -53,6 +53,8 @@ class MethodOptions(TypedDict, total=False):
     """Quantity that the stiffness is fitted to."""
     tilt: Literal["endplates", "axis"]
     """Landmarks from which the tilt of a vertebra is measured."""
+    amplitude: Literal["l4-t2", "t1-l5"]
+    """Vertebrae between which the amplitude of a film is measured."""
     film_lengths: str | float
     """``"per-film"``, ``"as-marked"``, or a standard deviation in percent."""
     end_vertebrae: str

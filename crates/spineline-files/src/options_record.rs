@@ -7,7 +7,7 @@ use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
-use spineline::measure::{FilmLengthRule, TiltRule};
+use spineline::measure::{AmplitudeEnds, FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
 use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
@@ -22,6 +22,8 @@ use crate::stiffness_file::{StiffnessFile, degrees};
 pub(crate) struct OptionsRecord {
     /// From which landmarks tilts are measured.
     tilt: TiltRule,
+    /// Between which vertebrae amplitudes are measured.
+    amplitude: AmplitudeEnds,
     /// Standard deviation of a film's scale against the erect film, as a part of it, where the films do not state theirs;
     /// `null` where lengths are compared as marked.
     #[serde(deserialize_with = "Option::deserialize")]
@@ -151,6 +153,7 @@ impl From<&AnalysisOptions> for OptionsRecord {
         // Every option is in the file: a new one does not compile here until it is.
         let AnalysisOptions {
             tilt,
+            amplitude,
             film_lengths,
             order_rule,
             inflections,
@@ -169,6 +172,7 @@ impl From<&AnalysisOptions> for OptionsRecord {
         let site = |site: Site| SiteRecord { inferior: site.inferior, superior: site.superior };
         Self {
             tilt: *tilt,
+            amplitude: *amplitude,
             film_length_sd: match *film_lengths {
                 FilmLengthRule::PerFilm { relative_sd } => Some(relative_sd),
                 FilmLengthRule::AsMarked => None,
@@ -239,6 +243,7 @@ impl OptionsRecord {
         let site = |site: SiteRecord| Site { inferior: site.inferior, superior: site.superior };
         Ok(AnalysisOptions {
             tilt: self.tilt,
+            amplitude: self.amplitude,
             film_lengths: match self.film_length_sd {
                 Some(relative_sd) => FilmLengthRule::PerFilm { relative_sd },
                 None => FilmLengthRule::AsMarked,

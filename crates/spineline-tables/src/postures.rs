@@ -46,9 +46,12 @@ fn film(add: &mut Columns<'_, PostureRow<'_>>) {
     add.number(
         "amplitude",
         Unit::Degrees,
-        "lateral tilt of the line from the base to the top; positive to the patient's right",
+        "lateral tilt of the line between two vertebrae against the normal of the iliac line; positive to the patient's right",
         |row| row.item.outline.amplitude().deg(),
     );
+    add.text("amplitude_between", "vertebrae of the amplitude, the lower one first", |row| {
+        row.item.outline.amplitude_levels().map(|level| level.to_string()).join("/")
+    });
     add.number(
         "noise_location",
         Unit::Millimetres,

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{RegionBounds, Regions};
-use spineline::measure::{FilmLength, LengthScale, MeasuredVertebra, Noise, Outline, SpacingPlane};
+use spineline::measure::{
+    AmplitudeEnds, FilmLength, LengthScale, MeasuredVertebra, Noise, Outline, SpacingPlane,
+};
 use spineline::multibody::{
     Deformed, JointGroups, JointStiffness, Load, SpineModel, StiffnessLibrary,
 };
@@ -206,6 +208,7 @@ impl Case {
             vertical: None,
             l4_on_film: Angle::ZERO,
             l4_midpoint_on_film: Frontal::default(),
+            amplitude_ends: AmplitudeEnds::default(),
             noise: Noise {
                 location_mm: self.noise.location_mm,
                 tilt: Angle::from_rad(self.noise.tilt_rad),

@@ -58,8 +58,9 @@ pub fn options_of(here: &std::path::Path, more: &[&str]) -> serde_json::Value {
 #[test]
 fn the_papers_method_is_one_option_that_others_replace() {
     let here = with_phantom(&[]);
-    let given = ["--tilt=axis", "--order-rule=paper", "--film-lengths=as-marked"];
-    let given = [&given[..], &["--support=free", "--fit=ferguson"]].concat();
+    let given = ["--tilt=axis", "--amplitude=t1-l5", "--order-rule=paper"];
+    let given =
+        [&given[..], &["--film-lengths=as-marked", "--support=free", "--fit=ferguson"]].concat();
     let paper = options_of(here.path(), &["--method", "paper"]);
     assert_eq!(paper, options_of(here.path(), &given));
     let mut frontal = paper;

@@ -37,8 +37,10 @@ pub(super) struct PostureRecord {
     /// clicked.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     origins: BTreeMap<Level, String>,
-    /// Lateral tilt of the line L4→T2 against the normal of the iliac line, or L4's axis.
+    /// Lateral tilt of the line between two vertebrae against the normal of the iliac line, or L4's axis.
     amplitude_deg: f64,
+    /// These vertebrae, the lower one first.
+    amplitude_between: [Level; 2],
     noise: NoiseRecord,
     /// Mean rotation of the segments from the erect posture.
     mean_rotation_deg: Option<f64>,
@@ -336,6 +338,7 @@ impl PostureRecord {
             interpolated: p.outline.interpolated().map(interpolated).collect(),
             origins: vertebrae.iter().filter_map(origin).collect(),
             amplitude_deg: p.outline.amplitude().deg(),
+            amplitude_between: p.outline.amplitude_levels(),
             noise: NoiseRecord {
                 location_mm: scale.mm(p.outline.noise.location_mm),
                 location_px: scale.px(p.outline.noise.location_mm),

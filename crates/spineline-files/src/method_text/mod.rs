@@ -205,6 +205,7 @@ mod tests {
         "free",
         "ferguson",
         "axis",
+        "t1-l5",
         "2.7",
         "main-thoracic=T12/T5,proximal-thoracic=T5/T2",
         "per-joint",
@@ -234,6 +235,7 @@ mod tests {
         // A new field does not compile here until it is compared too.
         let AnalysisOptions {
             tilt,
+            amplitude,
             film_lengths,
             order_rule,
             inflections,
@@ -252,6 +254,7 @@ mod tests {
         let usual = AnalysisOptions::default();
         let differ = [
             tilt != usual.tilt,
+            amplitude != usual.amplitude,
             film_lengths != usual.film_lengths,
             order_rule != usual.order_rule,
             inflections != usual.inflections,
@@ -319,7 +322,8 @@ mod tests {
         assert_eq!(nearest_method(&AnalysisOptions::default()), Method::Default);
         let (paper, usual) = (AnalysisOptions::paper(), AnalysisOptions::default());
         let names: Vec<&str> = departures(&paper, &usual).map(|option| option.name).collect();
-        assert_eq!(names, ["order_rule", "support", "fit", "tilt", "film_lengths"]);
+        let choices = ["order_rule", "support", "fit", "tilt", "amplitude", "film_lengths"];
+        assert_eq!(names, choices);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use spineline::analysis::{AnalysisOptions, Grouping, Method};
 use spineline::anatomy::Named;
 use spineline::curve::InflectionChoice;
-use spineline::measure::TiltRule;
+use spineline::measure::{AmplitudeEnds, TiltRule};
 use spineline::multibody::{StiffnessTable, Support};
 use spineline::personalize::FitTarget;
 
@@ -143,7 +143,7 @@ pub fn departures<'a>(
 }
 
 /// All options of the method, in the order of the help of the command line. The first one sets all others.
-pub const OPTIONS: [MethodOption; 16] = [
+pub const OPTIONS: [MethodOption; 17] = [
     MethodOption {
         name: "method",
         title: "Method",
@@ -229,6 +229,19 @@ pub const OPTIONS: [MethodOption; 16] = [
         read_file: None,
         show: |options| show::spelling(options.tilt),
         words: |options| words::named(options.tilt),
+    },
+    MethodOption {
+        name: "amplitude",
+        title: "Amplitude",
+        help: "Vertebrae between which the amplitude of a film is measured",
+        value_name: "ENDS",
+        values: OptionValues::Named(named_values::<AmplitudeEnds>),
+        may_repeat: false,
+        of_a_study: true,
+        read: |options, text| named(text).map(|it| options.amplitude = it),
+        read_file: None,
+        show: |options| show::spelling(options.amplitude),
+        words: |options| words::named(options.amplitude),
     },
     MethodOption {
         name: "film_lengths",

@@ -8,7 +8,7 @@ use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::evaluate::{PriorSource, RotationPrior};
 use spineline::hypothesis::{Hypothesis, LoadShape};
-use spineline::measure::{FilmLengthRule, TiltRule};
+use spineline::measure::{AmplitudeEnds, FilmLengthRule, TiltRule};
 use spineline::multibody::{JointStiffness, StiffnessLibrary, Support};
 use spineline::personalize::{Base, FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
@@ -48,6 +48,7 @@ fn odd_options() -> AnalysisOptions {
     AnalysisOptions {
         film_lengths: FilmLengthRule::PerFilm { relative_sd: 0.02 },
         tilt: TiltRule::Axis,
+        amplitude: AmplitudeEnds::T1L5,
         ends: EndChoice { rule: EndRule::EachFilm, given: [None, Some(ends), None] },
         order_rule: OrderRule::Fixed(7),
         inflections: InflectionChoice::ByHand([

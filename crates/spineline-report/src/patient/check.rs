@@ -6,6 +6,7 @@ use spineline::number::fixed;
 use spineline::warning::{Step, Warning};
 
 use super::banners;
+use super::measured::amplitude;
 use crate::document::{Column, Document, Section, Table};
 
 /// A case for a notebook: its films with their scale and noise, and their warnings, or the error that stops its analysis.
@@ -58,7 +59,7 @@ pub fn films_table(analysis: &Analysis) -> Table {
             outline.posture.to_string(),
             outline.readings.to_string(),
             outline.scale.text(outline.polygon_mm(), 0),
-            outline.amplitude().leaning(),
+            amplitude(outline),
             format!("{}{assumed}", outline.scale.residual_text(outline.noise.location_mm)),
             format!("{}{assumed}", fixed(outline.noise.tilt.deg(), 2)),
             if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),

@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, FilmMovement};
 use spineline::anatomy::Posture;
 use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
-use spineline::measure::{Interpolation, MeasuredVertebra};
+use spineline::measure::{Interpolation, MeasuredVertebra, Outline};
 use spineline::motion::SegmentEstimate;
 use spineline::number::{fixed, probability};
 use spineline::personalize::LineTest;
@@ -120,12 +120,17 @@ fn ends_interpolated(analysis: &Analysis, posture: Posture, ends: CobbEnds) -> b
     analysis.movement.film(posture).is_some_and(hidden)
 }
 
+/// The amplitude of a film, with the vertebrae between which it is measured.
+pub fn amplitude(film: &Outline) -> String {
+    let [lower, upper] = film.amplitude_levels();
+    format!("{} ({lower}–{upper})", film.amplitude().leaning())
+}
+
 /// The curve of every film, and its movement.
 pub fn curves(analysis: &Analysis) -> Table {
-    let levels = analysis.movement.levels();
     let columns = vec![
         Column::words("Film"),
-        Column::words(format!("Lateral tilt of {}–{}", levels.base(), levels.top())),
+        Column::words("Lateral tilt"),
         Column::numbers("Order of the curve"),
         Column::words("Residual of locations"),
         Column::numbers("Residual of tilts (°)"),
@@ -140,7 +145,7 @@ pub fn curves(analysis: &Analysis) -> Table {
             .map(|pair| format!("{}, {}", pair[0].distance_segments, pair[1].distance_segments));
         table.row(vec![
             p.outline.posture.to_string(),
-            p.outline.amplitude().leaning(),
+            amplitude(&p.outline),
             p.fit.order.to_string(),
             p.outline.scale.residual_text(p.fit.rmse_mm),
             fixed(p.fit.rmse_tilt.deg(), 2),

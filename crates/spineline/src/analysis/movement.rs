@@ -97,7 +97,8 @@ impl Movement {
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
         let (readings, outlines) = measure(case, options.tilt, replicated, warnings)?;
-        let outlines = at_erect_length(outlines, options.film_lengths, warnings);
+        let mut outlines = at_erect_length(outlines, options.film_lengths, warnings);
+        outlines.iter_mut().for_each(|film| film.amplitude_ends = options.amplitude);
         let fit = |outline| fit_curve(outline, options.order_rule, warnings);
         let fits = outlines.iter().map(fit).collect::<Result<Vec<CurveFit>, _>>()?;
         let inflections = inflections_of(&fits[0], options, warnings);

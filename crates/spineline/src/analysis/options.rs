@@ -4,7 +4,7 @@ use crate::clinical::EndChoice;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::Hypothesis;
-use crate::measure::{FilmLengthRule, Outline, TiltRule};
+use crate::measure::{AmplitudeEnds, FilmLengthRule, Outline, TiltRule};
 use crate::multibody::{StiffnessLibrary, StiffnessTable, Support};
 use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
@@ -53,6 +53,8 @@ impl Method {
 pub struct AnalysisOptions {
     /// From which landmarks tilts are measured.
     pub tilt: TiltRule,
+    /// Between which vertebrae amplitudes are measured.
+    pub amplitude: AmplitudeEnds,
     /// How lengths of the films are compared.
     pub film_lengths: FilmLengthRule,
     /// How the order of the curves is chosen.
@@ -93,6 +95,8 @@ impl AnalysisOptions {
         Self {
             // 2.1: "the line passing through the centre of the upper and lower endplates".
             tilt: TiltRule::Axis,
+            // 1, footnote: the line through the midpoints of T1 and L5.
+            amplitude: AmplitudeEnds::T1L5,
             // 2.1: one size of a pixel for all X-rays.
             film_lengths: FilmLengthRule::AsMarked,
             // 2.3: the order with the least root mean square error.
@@ -146,6 +150,7 @@ impl Default for AnalysisOptions {
     fn default() -> Self {
         Self {
             tilt: TiltRule::default(),
+            amplitude: AmplitudeEnds::default(),
             film_lengths: FilmLengthRule::default(),
             order_rule: OrderRule::default(),
             inflections: InflectionChoice::default(),

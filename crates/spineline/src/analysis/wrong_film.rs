@@ -71,7 +71,7 @@ pub(super) fn warn_of_wrong_films(
 /// A film may be turned as a whole, so that the smaller of the two angles counts where the iliac crests are marked.
 fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
     let on_film = (erect.top().lateral_tilt() + erect.l4_on_film).wrapped();
-    let against_crests = erect.iliac_normal.map(|_| erect.amplitude());
+    let against_crests = erect.iliac_normal.map(|normal| erect.top().lateral_tilt() - normal);
     let tilt = match against_crests {
         Some(tilt) if tilt.abs() < on_film.abs() => tilt,
         _ => on_film,

@@ -10,9 +10,9 @@ use super::means::average;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated, warn_of_source};
 use super::placing::{program_corners, warn_of_unusable_ends};
 use super::{
-    Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, LengthScale, MeasureError,
-    MeasureFault, MeasuredVertebra, Noise, Outline, Placement, Reading, SharedErrors, SpacingPlane,
-    TiltRule, common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
+    AmplitudeEnds, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, LengthScale,
+    MeasureError, MeasureFault, MeasuredVertebra, Noise, Outline, Placement, Reading, SharedErrors,
+    SpacingPlane, TiltRule, common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Morphometry, Posture};
 use crate::number::fixed;
@@ -104,6 +104,7 @@ pub(crate) fn outline_of(
         vertical: matches!(film.landmarks, FilmLandmarks::Corners { .. }).then(|| -base.tilt),
         l4_on_film: base.tilt,
         l4_midpoint_on_film: base.location,
+        amplitude_ends: AmplitudeEnds::default(),
         noise,
         shared_errors,
         scale,

@@ -72,7 +72,7 @@ pub use noise::{Noise, ProgramNoise};
 pub use observer::{OBSERVER_RULE, alike_observers, alike_words, is_observer_code};
 pub use order::{LevelStep, out_of_order_words};
 pub use origin::{Origin, VertebraOrigin};
-pub use outline::{Interpolation, MeasuredVertebra, Outline, SharedErrors};
+pub use outline::{AmplitudeEnds, Interpolation, MeasuredVertebra, Outline, SharedErrors};
 pub(crate) use outline_noise::OutlineNoise;
 pub(crate) use pedicles::axial_rotations;
 pub use plausibility::{judge_landmarks, judge_reading};

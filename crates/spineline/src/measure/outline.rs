@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::{EndplateTilts, FilmLength, LengthScale, Noise, ProgramNoise, VertebraOrigin};
-use crate::anatomy::{Level, Levels, Posture};
+use crate::anatomy::{Level, Levels, Posture, named};
 use crate::spatial::{Angle, Frontal};
 
 /// Where a vertebra without landmarks was taken from, and how uncertain it is.
@@ -93,6 +93,21 @@ pub struct Outline {
     pub length: FilmLength,
     /// Number of readings.
     pub readings: usize,
+    /// The vertebrae between which its amplitude is measured.
+    pub amplitude_ends: AmplitudeEnds,
+}
+
+named! {
+    /// The vertebrae between which the amplitude of a film is measured.
+    #[default(Model)]
+    pub enum AmplitudeEnds {
+        /// The ends of the model, L4 and T2.
+        Model = "l4_t2",
+        /// T1 and L5 where a film shows both, else the ends of the model (the paper).
+        ///
+        /// Models end at L4 and T2, so that simulated films keep the tilt of the line between these.
+        T1L5 = "t1_l5",
+    }
 }
 
 impl Outline {
@@ -140,12 +155,31 @@ impl Outline {
         self.vertebrae[self.vertebrae.len() - 1].location
     }
 
-    /// Lateral tilt of the line from base to top (L4→T2) relative to the normal of the iliac line, or against L4's axis where no crest was marked.
-    ///
-    /// This is the amplitude of a bend [petit-2004], between the ends of the model. Positive to the right.
+    /// Lateral tilt of the line between two vertebrae ([`Outline::amplitude_levels`]) relative to the normal of the iliac line, or
+    /// against L4's axis where no crest was marked: the amplitude of a bend [petit-2004]. Positive to the right.
     #[must_use]
     pub fn amplitude(&self) -> Angle {
-        self.top().lateral_tilt() - self.iliac_normal.unwrap_or(Angle::ZERO)
+        let [lower, upper] = self.ends_of_amplitude();
+        let line = upper.location - lower.location;
+        line.lateral_tilt() - self.iliac_normal.unwrap_or(Angle::ZERO)
+    }
+
+    /// The vertebrae between which the amplitude is measured, the lower one first.
+    #[must_use]
+    pub fn amplitude_levels(&self) -> [Level; 2] {
+        self.ends_of_amplitude().map(|vertebra| vertebra.level)
+    }
+
+    fn ends_of_amplitude(&self) -> [&MeasuredVertebra; 2] {
+        let marked = |level| self.others.iter().find(|vertebra| vertebra.level == level);
+        let marked = match self.amplitude_ends {
+            AmplitudeEnds::Model => None,
+            AmplitudeEnds::T1L5 => marked(Level::L5).zip(marked(Level::T1)),
+        };
+        match marked {
+            Some((lower, upper)) => [lower, upper],
+            None => [&self.vertebrae[0], &self.vertebrae[self.vertebrae.len() - 1]],
+        }
     }
 
     /// Length of the polygon through the midpoints.

@@ -2,6 +2,7 @@
 
 #![allow(clippy::float_cmp, reason = "tests compare with exact values")]
 
+mod amplitude;
 mod axial;
 mod balance;
 mod cobb;

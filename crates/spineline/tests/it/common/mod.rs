@@ -261,6 +261,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
         vertical: None,
         l4_on_film: Angle::ZERO,
         l4_midpoint_on_film: Frontal::default(),
+        amplitude_ends: Default::default(),
         noise: Noise::ONE_READING,
         shared_errors: None,
         scale: LengthScale::stated(SpacingPlane::Patient, None),
