@@ -1,6 +1,7 @@
 //! Landmarks of a case for other programs.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use spineline::analysis::Case;
 use spineline::anatomy::{Posture, Region};
@@ -8,6 +9,7 @@ use spineline::clinical::CobbEnds;
 use spineline::measure::{
     Film, FilmLandmarks, IliacCrests, ImageGeometry, PlacementSource, Reading, VertebraLandmarks,
 };
+use spineline_files::CaseFile;
 
 use super::identity::Identity;
 use super::{LandmarkExportError, ReportOf, SourceImage, coco, csv, labelme, slicer, write_sr};
@@ -101,18 +103,10 @@ pub fn export_landmarks(
     posture: Option<Posture>,
     target: LandmarkTarget<'_>,
 ) -> Result<Vec<ExportedFile>, LandmarkExportError> {
-    let mut films: Vec<&Film> =
-        case.films.iter().filter(|film| posture.is_none_or(|p| p == film.posture)).collect();
-    films.sort_by_key(|film| film.posture);
-    if films.is_empty() {
-        return Err(LandmarkExportError::NoFilm(posture.unwrap_or(Posture::Erect)));
-    }
-    for film in &films {
-        check(film)?;
-    }
+    let films = films(case, posture)?;
     match target {
         LandmarkTarget::Csv => {
-            let bytes = csv::write(&films)?.into_bytes();
+            let bytes = csv::text(&csv::rows(&films)?)?.into_bytes();
             Ok(vec![ExportedFile { name: "landmarks.csv".to_owned(), bytes }])
         }
         LandmarkTarget::Slicer => films
@@ -154,15 +148,56 @@ pub fn export_landmarks(
     }
 }
 
-/// The landmarks of a case's lateral film as a table, which [`parse_lateral_csv`](super::parse_lateral_csv) reads.
+/// The frontal films of a case, of one posture or of all, checked for every format.
+fn films(case: &Case, posture: Option<Posture>) -> Result<Vec<&Film>, LandmarkExportError> {
+    let mut films: Vec<&Film> =
+        case.films.iter().filter(|film| posture.is_none_or(|p| p == film.posture)).collect();
+    films.sort_by_key(|film| film.posture);
+    if films.is_empty() {
+        return Err(LandmarkExportError::NoFilm(posture.unwrap_or(Posture::Erect)));
+    }
+    for film in &films {
+        check(film)?;
+    }
+    Ok(films)
+}
+
+/// The cells of the table of all frontal films, row by row, the heading first.
+///
+/// # Errors
+/// [`LandmarkExportError`], as [`export_landmarks`] with [`LandmarkTarget::Csv`].
+pub fn landmark_rows(case: &Case) -> Result<Vec<Vec<String>>, LandmarkExportError> {
+    csv::rows(&films(case, None)?)
+}
+
+/// The cells of the table of a case's lateral film, row by row, the heading first.
 ///
 /// # Errors
 /// [`LandmarkExportError`] for a case without such landmarks, and for what a table cannot hold.
-pub fn export_lateral(case: &Case) -> Result<ExportedFile, LandmarkExportError> {
+pub fn lateral_rows(case: &Case) -> Result<Vec<Vec<String>>, LandmarkExportError> {
     let nothing = || LandmarkExportError::Nothing { what: "lateral film".to_owned() };
-    let film = case.lateral.as_ref().ok_or_else(nothing)?;
-    let bytes = csv::write_lateral(film)?.into_bytes();
+    csv::lateral_rows(case.lateral.as_ref().ok_or_else(nothing)?)
+}
+
+/// The landmarks of a case's lateral film as a table, which [`parse_lateral_csv`](super::parse_lateral_csv) reads.
+///
+/// # Errors
+/// [`LandmarkExportError`], as [`lateral_rows`].
+pub fn export_lateral(case: &Case) -> Result<ExportedFile, LandmarkExportError> {
+    let bytes = csv::text(&lateral_rows(case)?)?.into_bytes();
     Ok(ExportedFile { name: "lateral.csv".to_owned(), bytes })
+}
+
+/// The names of the pictures that a case names and other programs can open, which leaves out DICOM files.
+#[must_use]
+pub fn openable_pictures(file: &CaseFile, case: &Case) -> BTreeMap<Posture, String> {
+    let named = case.films.iter().filter_map(|film| {
+        let name = file.source(film.posture)?.file?;
+        let is_dicom =
+            Path::new(&name).extension().is_none_or(|end| end.eq_ignore_ascii_case("dcm"));
+        (!is_dicom).then_some((film.posture, name))
+    });
+    named.collect()
 }
 
 /// The picture of a film by name.

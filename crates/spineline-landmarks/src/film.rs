@@ -1,6 +1,6 @@
 //! The common type into which every format is read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::{ImageSide, Level, Named, Posture};
@@ -98,6 +98,26 @@ pub struct LandmarkHint {
     pub reading: ReadingId,
     /// Frame of a Slicer file without one.
     pub slicer_frame: Option<SlicerFrame>,
+    /// Columns of a table.
+    pub columns: ColumnHint,
+}
+
+/// Columns of a table with other names, and columns without landmarks; both as [`column_name`] writes them.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ColumnHint {
+    /// The column of the format that a column of the table holds. The table must have all of them.
+    pub renamed: BTreeMap<String, String>,
+    /// Columns of the table that are skipped.
+    pub ignored: BTreeSet<String>,
+}
+
+impl ColumnHint {
+    /// The column of the format under this heading; `None` if it is skipped.
+    pub(super) fn column(&self, heading: &str) -> Option<String> {
+        let name = column_name(heading);
+        let renamed = self.renamed.get(&name).map(|column| column_name(column));
+        (!self.ignored.contains(&name)).then(|| renamed.unwrap_or(name))
+    }
 }
 
 impl Default for LandmarkHint {
@@ -108,6 +128,7 @@ impl Default for LandmarkHint {
             image: None,
             reading: ReadingId::new("A", 1),
             slicer_frame: None,
+            columns: ColumnHint::default(),
         }
     }
 }

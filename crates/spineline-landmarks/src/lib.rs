@@ -36,9 +36,13 @@ pub use aasce::{
 pub use coco::parse_coco;
 pub use csv::{MAX_ROWS, parse_csv, parse_lateral_csv};
 pub use error::{LandmarkError, LandmarkExportError};
-pub use export::{ExportedFile, LandmarkTarget, export_landmarks, export_lateral};
+pub use export::{
+    ExportedFile, LandmarkTarget, export_landmarks, export_lateral, landmark_rows, lateral_rows,
+    openable_pictures,
+};
 pub use film::{
-    LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm, SlicerFrame,
+    ColumnHint, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
+    SlicerFrame,
 };
 pub use labelme::parse_labelme;
 pub use midline::parse_midlines;
@@ -97,7 +101,7 @@ pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile
     if start.starts_with(['{', '[']) {
         return parse_json_landmarks(bytes, hint);
     }
-    if csv::looks_like_csv(bytes) {
+    if csv::looks_like_csv(bytes, &hint.columns) {
         return parse_csv(bytes, hint);
     }
     let foreign = text.as_ref().and_then(|text| foreign::by_text(text));

@@ -14,7 +14,8 @@ use spineline_files::{
     parse_case_file, read_text, to_text,
 };
 use spineline_landmarks::{
-    ExportedFile, LandmarkTarget, SourceImage, export_landmarks, export_lateral, read_source,
+    ExportedFile, LandmarkTarget, SourceImage, export_landmarks, export_lateral, openable_pictures,
+    read_source,
 };
 
 use crate::options::values::posture;
@@ -145,7 +146,7 @@ fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
     let case = file.clone().into_case().map_err(|error| Failure::file(&args.file, &error))?;
     let place = args.file.display().to_string();
     let (sources, curves, written);
-    let pictures = pictures(&file, &case);
+    let pictures = openable_pictures(&file, &case);
     let target = match name {
         LandmarkName::LateralCsv => return lateral_landmarks(args, &case, &place),
         LandmarkName::Csv => LandmarkTarget::Csv,
@@ -217,17 +218,6 @@ fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {
         ),
         _ => Failure::file(path, &error),
     })
-}
-
-/// The pictures that the case names and other programs can open, without DICOM files.
-fn pictures(file: &CaseFile, case: &Case) -> BTreeMap<Posture, String> {
-    let named = case.films.iter().filter_map(|film| {
-        let name = file.source(film.posture)?.file?;
-        let is_dicom =
-            Path::new(&name).extension().is_none_or(|end| end.eq_ignore_ascii_case("dcm"));
-        (!is_dicom).then_some((film.posture, name))
-    });
-    named.collect()
 }
 
 /// The DICOM files that the case names, beside it.

@@ -7,8 +7,8 @@ use super::{
     AXIS, CONFIDENCES, CORNERS, LATERAL_CORNERS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
     REPEAT, SD_SHARE, VERTEBRA, WALLS,
 };
-use crate::LandmarkError;
 use crate::names::shown;
+use crate::{ColumnHint, LandmarkError};
 
 /// The view of the films in a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,8 +83,13 @@ pub(super) enum Values {
 
 impl Columns {
     /// From the heading on this line.
-    pub fn of(heading: &ByteRecord, line: u64, view: View) -> Result<Self, LandmarkError> {
-        let (places, unknown) = places(heading, line, view)?;
+    pub fn of(
+        heading: &ByteRecord,
+        line: u64,
+        view: View,
+        hint: &ColumnHint,
+    ) -> Result<Self, LandmarkError> {
+        let (places, unknown) = places(heading, line, view, hint)?;
         let get = |name: &str| places.get(name).copied();
         let need = |name: &'static str| {
             get(name).ok_or_else(|| {
@@ -159,15 +164,23 @@ fn places(
     heading: &ByteRecord,
     line: u64,
     view: View,
+    hint: &ColumnHint,
 ) -> Result<(BTreeMap<&'static str, usize>, Vec<UnknownColumn>), LandmarkError> {
     let known = view.columns();
+    let names: Vec<String> =
+        heading.iter().map(|cell| column_name(&String::from_utf8_lossy(cell))).collect();
+    if let Some(missing) = hint.renamed.keys().find(|renamed| !names.contains(renamed)) {
+        let what = format!("the column `{}`", shown(missing));
+        return Err(LandmarkError::Missing { at: format!("line {line}"), what });
+    }
     let (mut places, mut unknown) = (BTreeMap::new(), Vec::new());
     for (place, cell) in heading.iter().enumerate() {
         let at = format!("line {line}, column {}", place + 1);
         let name = String::from_utf8_lossy(cell);
-        let wanted = column_name(&name);
+        let Some(wanted) = hint.column(&name) else { continue };
         let Some(&column) = known.iter().find(|known| **known == wanted) else {
-            let name = if wanted.is_empty() { "(without a name)".to_owned() } else { shown(&name) };
+            let name = if wanted == column_name(&name) { &*name } else { &wanted };
+            let name = if wanted.is_empty() { "(without a name)".to_owned() } else { shown(name) };
             unknown.push(UnknownColumn { place, at, name, view });
             continue;
         };

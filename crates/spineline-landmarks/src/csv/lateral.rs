@@ -1,4 +1,3 @@
-use csv::{Terminator, WriterBuilder};
 use spineline::measure::{LateralCorners, LateralFilm, Reading};
 
 use super::columns::View;
@@ -48,16 +47,10 @@ pub fn parse_lateral_csv(
     Ok(readings)
 }
 
-/// The table of a lateral film; commas, points, line feeds.
-pub fn write(film: &LateralFilm) -> Result<String, LandmarkExportError> {
-    let nothing = || LandmarkExportError::Nothing { what: "lateral film".to_owned() };
-    if film.readings.iter().all(|reading| reading.vertebrae.is_empty()) {
-        return Err(nothing());
-    }
-    let mut table = WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(Vec::new());
-    let encode = |error: String| LandmarkExportError::Encode(error);
+/// The heading and the rows of a lateral film.
+pub fn rows(film: &LateralFilm) -> Result<Vec<Vec<String>>, LandmarkExportError> {
     let heading = [OBSERVER, REPEAT, VERTEBRA].into_iter().chain(LATERAL_CORNERS);
-    table.write_record(heading).map_err(|error| encode(error.to_string()))?;
+    let mut rows = vec![heading.map(str::to_owned).collect()];
     for reading in &film.readings {
         for (level, corners) in &reading.vertebrae {
             let places = [
@@ -66,10 +59,11 @@ pub fn write(film: &LateralFilm) -> Result<String, LandmarkExportError> {
                 corners.inferior_anterior,
                 corners.inferior_posterior,
             ];
-            let row = start(reading, level.name())?.into_iter().chain(cells(places));
-            table.write_record(row).map_err(|error| encode(error.to_string()))?;
+            rows.push(start(reading, level.name())?.into_iter().chain(cells(places)).collect());
         }
     }
-    let bytes = table.into_inner().map_err(|error| encode(error.to_string()))?;
-    String::from_utf8(bytes).map_err(|error| encode(error.to_string()))
+    if rows.len() == 1 {
+        return Err(LandmarkExportError::Nothing { what: "lateral film".to_owned() });
+    }
+    Ok(rows)
 }

@@ -30,10 +30,10 @@ mod read;
 mod write;
 
 pub use lateral::parse_lateral_csv;
-pub(super) use lateral::write as write_lateral;
+pub(super) use lateral::rows as lateral_rows;
 pub(super) use read::looks_like_csv;
 pub use read::parse_csv;
-pub(super) use write::write;
+pub(super) use write::{rows, text};
 
 /// Maximum number of rows; every film of a patient with a thousand readings has fewer.
 pub const MAX_ROWS: u64 = 100_000;

@@ -19,7 +19,8 @@ use super::{
 use crate::film::{confidence, merge_crests, named, origin, pixel};
 use crate::names::{CREST_LEFT, CREST_RIGHT, observer, parse_level, shown};
 use crate::{
-    LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
+    ColumnHint, LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings,
+    MarkedFilm,
 };
 
 /// Reads a table of landmarks from the bytes of its file.
@@ -60,7 +61,7 @@ pub(super) fn parse(
         read(&mut reader, &mut record)?;
     }
     let line = record.position().map_or(1, csv::Position::line);
-    let columns = Columns::of(&record, line, view)?;
+    let columns = Columns::of(&record, line, view, &hint.columns)?;
     let mut table = Table {
         columns,
         hint,
@@ -86,18 +87,12 @@ pub(super) fn parse(
 }
 
 /// Whether a file begins with the heading of such a table.
-pub(crate) fn looks_like_csv(bytes: &[u8]) -> bool {
-    let Some(text) = decode_text(bytes) else {
-        return has_vertebra(&String::from_utf8_lossy(bytes));
-    };
-    has_vertebra(&text)
-}
-
-fn has_vertebra(text: &str) -> bool {
+pub(crate) fn looks_like_csv(bytes: &[u8], hint: &ColumnHint) -> bool {
+    let text = decode_text(bytes).unwrap_or_else(|| String::from_utf8_lossy(bytes));
     let mut lines = text.split(['\r', '\n']).filter(|line| !line.trim().is_empty());
-    let heading = lines.nth(usize::from(stated_separator(text).is_some()));
+    let heading = lines.nth(usize::from(stated_separator(&text).is_some()));
     let mut cells = heading.unwrap_or_default().split([',', ';', '\t']);
-    cells.any(|cell| column_name(cell.trim().trim_matches('"')) == VERTEBRA)
+    cells.any(|cell| hint.column(cell.trim().trim_matches('"')).as_deref() == Some(VERTEBRA))
 }
 
 fn separator(heading: &[u8]) -> Result<u8, LandmarkError> {

@@ -10,8 +10,19 @@ use super::{
 use crate::LandmarkExportError;
 use crate::film::stated_origins;
 
-/// The table of some films, all of one kind; commas, points, line feeds.
-pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
+/// The text of a table; commas, points, line feeds.
+pub fn text(rows: &[Vec<String>]) -> Result<String, LandmarkExportError> {
+    let mut table = WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(Vec::new());
+    let encode = |error: String| LandmarkExportError::Encode(error);
+    for row in rows {
+        table.write_record(row).map_err(|error| encode(error.to_string()))?;
+    }
+    let bytes = table.into_inner().map_err(|error| encode(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| encode(error.to_string()))
+}
+
+/// The heading and the rows of some films, all of one kind.
+pub fn rows(films: &[&Film]) -> Result<Vec<Vec<String>>, LandmarkExportError> {
     let corners = |film: &&Film| matches!(film.landmarks, FilmLandmarks::Corners { .. });
     let marked = films.iter().filter(|film| corners(film)).count();
     if marked != 0 && marked != films.len() {
@@ -34,13 +45,7 @@ pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
     for film in films {
         add_film(film, &optional, &mut rows)?;
     }
-    let mut table = WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(Vec::new());
-    let encode = |error: String| LandmarkExportError::Encode(error);
-    for row in rows {
-        table.write_record(&row).map_err(|error| encode(error.to_string()))?;
-    }
-    let bytes = table.into_inner().map_err(|error| encode(error.to_string()))?;
-    String::from_utf8(bytes).map_err(|error| encode(error.to_string()))
+    Ok(rows)
 }
 
 /// Optional columns, after corners and axes.

@@ -3,7 +3,7 @@
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{ImageGeometry, MeasureFault};
 use spineline_landmarks::{
-    LandmarkError, LandmarkFile, LandmarkHint, LandmarkReadings, parse_coco, parse_csv,
+    ColumnHint, LandmarkError, LandmarkFile, LandmarkHint, LandmarkReadings, parse_coco, parse_csv,
     parse_labelme, parse_landmarks, parse_mat, parse_slicer,
 };
 
@@ -114,6 +114,27 @@ fn rows_without_numbers_are_not_placed_in_any_spelling() {
         assert_eq!(read(&crests).films[0].iliac_crests, None);
         let one = table().replacen("L1,546.25", &format!("L1,{blank}"), 1);
         refused(one.as_bytes(), &["line 5, L1", "missing: superior_left"]);
+    }
+}
+
+#[test]
+fn columns_of_other_names_are_read_and_columns_without_landmarks_skipped() {
+    let notes = table().replacen('\n', ",Quality note\n", 1).replace(".5\n", ".5,good\n");
+    let own = notes.replacen("vertebra", "Level", 1).replacen("observer", "Rater (code)", 1);
+    let columns = |renamed: &[(&str, &str)]| ColumnHint {
+        renamed: renamed.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect(),
+        ignored: ["quality_note".to_owned()].into(),
+    };
+    let read_with = |columns| parse_landmarks(own.as_bytes(), &LandmarkHint { columns, ..hint() });
+    let found = read_with(columns(&[("level", "vertebra"), ("rater_code", "observer")]));
+    assert_eq!(found.expect("a table").films, read(&table()).films);
+    for (renamed, parts) in [
+        (&[("level", "vertebra"), ("rater", "observer")][..], ["line 1", "`rater` is missing"]),
+        (&[("level", "vertebra"), ("rater_code", "observr")], ["`observr`", "mean `observer`"]),
+        (&[("level", "vertebra"), ("rater_code", "vertebra")], ["`vertebra`", "given twice"]),
+    ] {
+        let error = read_with(columns(renamed)).expect_err("wrong on purpose").to_string();
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
     }
 }
 
