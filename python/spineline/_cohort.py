@@ -7,7 +7,6 @@ import json
 import logging
 import os
 import shutil
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from ._errors import InputError
 from ._extras import extra
 from ._html import html_table
 from ._parts import CaseRead, Part, Request, Task, analyze_part, digest_of, table_file
+from ._progress import Progress, shown
 from ._run import build_identity, write_whole
 
 if TYPE_CHECKING:
@@ -154,7 +154,7 @@ class Cohort(Sequence[Path]):
         replicates: int | None = None,
         noise: float | str = "measured",
         seed: int = 1,
-        progress: bool | Callable[[int, int], None] | None = None,
+        progress: Progress = None,
         **options: Unpack[MethodOptions],
     ) -> CohortRun:
         """Analyses all cases in parallel on the workers of the executor, and writes the tables as Parquet.
@@ -207,9 +207,9 @@ class Cohort(Sequence[Path]):
         cases = [CaseRead(path, identity) for path, (identity, _) in zip(paths, read, strict=True)]
         with _Run(os.path.abspath(out), request, cases, chunk) as run:
             if executor is not None:
-                return run.collect(executor, _shown(progress))
+                return run.collect(executor, shown(progress, "cases"))
             with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-                return run.collect(pool, _shown(progress))
+                return run.collect(pool, shown(progress, "cases"))
 
 
 def _request(words: list[tuple[str, str]], asked: tuple[int, str, int] | None) -> Request:
@@ -243,22 +243,6 @@ def _check_identifiers(paths: Sequence[str], case_ids: Sequence[str | None]) -> 
                 file=path,
             )
         known[case_id] = path
-
-
-def _shown(progress: bool | Callable[[int, int], None] | None) -> Callable[[int, int], None]:
-    """The function that shows how many of all cases are done."""
-    if callable(progress):
-        return progress
-    stream = sys.stderr
-    if stream is None or not (stream.isatty() if progress is None else progress):
-        return lambda done, cases: None
-
-    def show(done: int, cases: int) -> None:
-        end = "\n" if done == cases else ""
-        stream.write(f"\ranalysed {done} of {cases} cases{end}")
-        stream.flush()
-
-    return show
 
 
 class _Run:

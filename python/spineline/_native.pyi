@@ -1,6 +1,7 @@
 """The native module; `spineline` is what to import."""
 
-from collections.abc import Sequence
+import os
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, SupportsIndex
 
 import numpy as np
@@ -162,6 +163,7 @@ class Replicates:
     @property
     def failed(self) -> int: ...
     @property
+        progress: Callable[[int], None],
     def noise(self) -> list[str]: ...
     def spreads(self) -> dict[str, dict[str, Any]]: ...
     def table(self) -> Table: ...

@@ -15,6 +15,7 @@ from ._analysis import Analysis
 from ._errors import InputError
 from ._export import export
 from ._html import html_table
+from ._progress import Progress, shown
 from ._run import command, now_utc
 from ._tables import Table
 
@@ -195,6 +196,7 @@ def replicates(
     noise: float | str = "measured",
     seed: int = 1,
     threads: int = 0,
+    progress: Progress = None,
 ) -> Replicates:
     """Analyses the case again n times with perturbed landmarks. Ctrl-C ends it.
 
@@ -211,6 +213,9 @@ def replicates(
         Seed; the same seed gives the same numbers on any machine and with any number of threads.
     threads
         Number of threads; 0 for all cores.
+    progress
+        Whether a line on standard error counts the finished replicates; by default if it is a terminal. Or a function, which is
+        called with the number of finished and of all replicates; an exception from it ends the call.
 
     Raises
     ------
@@ -225,6 +230,9 @@ def replicates(
     (10, 0)
     """
     words = command("replicates", {"n": n, "noise": noise, "seed": seed})
+    show = shown(progress, "replicates")
     return Replicates(
-        _native.Replicates(analysis._native, n, str(noise), seed, threads, words, now_utc())
+        _native.Replicates(
+            analysis._native, n, str(noise), seed, threads, words, now_utc(), lambda done: show(done, n)
+        )
     )

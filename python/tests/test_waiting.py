@@ -152,3 +152,20 @@ def test_ctrl_c_ends_a_cohort_within_a_second(kind: str, tmp_path: Path) -> None
     assert not found["complete"] and found["parts"] == []
     assert not list(tmp_path.glob("out/run-*/parts/*")) and not list(tmp_path.rglob("*.parquet"))
     assert not list(tmp_path.glob("out/run-*/.asking-*"))
+
+
+def test_progress_counts_the_replicates(analysis: sl.Analysis, capsys: pytest.CaptureFixture[str]) -> None:
+    seen: list[tuple[int, int]] = []
+    found = sl.replicates(analysis, n=40, seed=3, progress=lambda done, total: seen.append((done, total)))
+    assert seen[0] == (0, 40) and seen[-1] == (40, 40) and seen == sorted(set(seen))
+    assert found == sl.replicates(analysis, n=40, seed=3, progress=False) and not capsys.readouterr().err
+    sl.replicates(analysis, n=3, progress=True)
+    assert capsys.readouterr().err.endswith("analysed 3 of 3 replicates\n")
+
+
+def test_an_exception_of_a_progress_function_ends_the_replicates(analysis: sl.Analysis) -> None:
+    def stop(done: int, total: int) -> None:
+        raise LookupError(f"{done} of {total}")
+
+    with pytest.raises(LookupError, match="0 of 100000"):
+        sl.replicates(analysis, n=100_000, progress=stop)

@@ -1,7 +1,7 @@
 //! A part of a cohort: case files in, tables as Parquet out.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -21,7 +21,7 @@ use crate::analysis::compute;
 use crate::fault::Fault;
 use crate::patient::{check_case, generator, words};
 use crate::replicates::{asked, pool, run_replicates};
-use crate::wait::{apart, apart_while};
+use crate::wait::{apart, apart_with};
 
 /// Number, noise and seed of the replicates of every case.
 type GivenReplicates = Option<(u64, String, u64)>;
@@ -85,7 +85,11 @@ pub fn analyze_paths<'py>(
         let files = parquet(&rows, &task, &build).map_err(|error| error.to_string())?;
         Ok((files, failed))
     };
-    let made = apart_while(py, move || asking.exists(), work)?;
+    let is_asked = |py: Python<'_>| {
+        let ended = || PyRuntimeError::new_err("the call that asked for it has ended");
+        if py.detach(|| asking.exists()) { Ok(()) } else { Err(ended()) }
+    };
+    let made = apart_with(py, is_asked, work)?;
     let (files, failed) = made.map_err(PyRuntimeError::new_err)?;
     let files = files.into_iter().map(|(name, rows, bytes)| (name, rows, PyBytes::new(py, &bytes)));
     Ok((files.collect(), failed))
@@ -185,7 +189,8 @@ impl Found {
         check_case(&task.option_files, &sha256_hex(text.as_bytes()), &case.id)?;
         let (analysis, _) = compute(&case, &task.request, stop)?;
         let replicates = task.request.replicates.as_ref();
-        let spread = replicates.map(|asked| run_replicates(&case, &analysis, asked, pool, stop));
+        let spread = replicates
+            .map(|asked| run_replicates(&case, &analysis, asked, pool, stop, &AtomicU64::new(0)));
         Ok(Self { spread: spread.transpose()?, analysis, subject: case.subject })
     }
 }

@@ -1,6 +1,7 @@
 //! Monte Carlo replicates with perturbed landmarks.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -22,7 +23,7 @@ use crate::analysis::Analysis;
 use crate::fault::Fault;
 use crate::patient::run;
 use crate::table::Table;
-use crate::wait::apart;
+use crate::wait::apart_with;
 
 /// Replicates per thread that are computed before they are added in order.
 const BLOCK: u64 = 16;
@@ -38,7 +39,8 @@ pub struct Replicates {
 
 #[pymethods]
 impl Replicates {
-    /// Runs replicates on this number of threads; 0 for all cores. The number does not change the results.
+    /// Runs replicates on this number of threads; 0 for all cores. The number does not change the results. `progress` is called with
+    /// the number of finished replicates.
     #[new]
     #[expect(clippy::too_many_arguments, reason = "Python hands on what its own keywords are")]
     fn new(
@@ -50,15 +52,29 @@ impl Replicates {
         threads: usize,
         command: Vec<String>,
         date_utc: String,
+        progress: Py<PyAny>,
     ) -> PyResult<Self> {
         let asked = asked(count, noise_text, seed).map_err(|fault| fault.raise(py))?;
         let (nominal, pool) = (of.clone_ref(py), pool(threads)?);
         // One replicate takes seconds where other loads are compared.
-        let found = apart(py, move |stop| {
+        let done = Arc::new(AtomicU64::new(0));
+        let (counted, mut shown) = (Arc::clone(&done), None);
+        let show = |py: Python<'_>| {
+            let now = Some(done.load(Ordering::Relaxed));
+            if std::mem::replace(&mut shown, now) == now {
+                Ok(())
+            } else {
+                progress.call1(py, (now,)).map(drop)
+            }
+        };
+        let found = apart_with(py, show, move |stop| {
             let Analysis { case, analysis, .. } = nominal.get();
-            run_replicates(case, analysis, &asked, &pool, stop)
+            run_replicates(case, analysis, &asked, &pool, stop, &counted)
         })?;
         let found = found.map_err(|fault| fault.raise(py))?;
+        if shown != Some(count) {
+            progress.call1(py, (count,))?;
+        }
         let analysis = of.get();
         let films = FilmOrigin::of([analysis.case.synthetic]);
         let inputs = analysis.provenance.inputs().to_vec();
@@ -168,7 +184,7 @@ pub fn pool(threads: usize) -> PyResult<ThreadPool> {
         .map_err(|error| PyRuntimeError::new_err(format!("threads could not be started: {error}")))
 }
 
-/// Runs all replicates, or those before the flag is set.
+/// Runs all replicates, or those before the flag is set, and counts the finished ones.
 ///
 /// # Errors
 /// If the noise cannot be applied to this case.
@@ -178,6 +194,7 @@ pub fn run_replicates(
     asked: &Asked,
     pool: &ThreadPool,
     stop: &AtomicBool,
+    done: &AtomicU64,
 ) -> Result<Uncertainty, Fault> {
     let monte_carlo = MonteCarlo::new(case, nominal, asked.noise, asked.seed)
         .map_err(|error| Fault::new(&error, error.help()))?;
@@ -187,12 +204,16 @@ pub fn run_replicates(
     while next < asked.count && !stop.load(Ordering::Relaxed) {
         let end = asked.count.min(next.saturating_add(block));
         // An incomplete block is dropped.
-        let one = |index| (!stop.load(Ordering::Relaxed)).then(|| monte_carlo.replicate(index));
-        let done: Option<Vec<Replicate>> =
+        let one = |index| {
+            let found = (!stop.load(Ordering::Relaxed)).then(|| monte_carlo.replicate(index));
+            done.fetch_add(u64::from(found.is_some()), Ordering::Relaxed);
+            found
+        };
+        let found: Option<Vec<Replicate>> =
             pool.install(|| (next..end).into_par_iter().map(one).collect());
-        let Some(done) = done else { break };
+        let Some(found) = found else { break };
         // In order, so that the bytes are the same for any number of threads.
-        done.iter().for_each(|replicate| tally.add(replicate));
+        found.iter().for_each(|replicate| tally.add(replicate));
         next = end;
     }
     Ok(tally.finish(asked.count))

@@ -21,23 +21,24 @@ pub fn apart<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
 ) -> PyResult<T> {
-    apart_while(py, || true, work)
+    apart_with(py, |_| Ok(()), work)
 }
 
-/// As [`apart`], but it also ends when its result is not needed any more, as in a worker, which cannot receive Ctrl-C.
+/// As [`apart`], and calls a function at every check for Ctrl-C: it shows progress, or ends the call by an error, as in a worker, which
+/// cannot receive Ctrl-C.
 ///
 /// # Errors
-/// As [`apart`], and if the result is not needed.
-pub fn apart_while<T: Send + 'static>(
+/// As [`apart`], and errors of the function.
+pub fn apart_with<T: Send + 'static>(
     py: Python<'_>,
-    is_wanted: impl Fn() -> bool + Send + Sync,
+    at_check: impl FnMut(Python<'_>) -> PyResult<()>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
 ) -> PyResult<T> {
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, receiver) = channel();
     let seen = Arc::clone(&stop);
     worker().spawn(move || sender.send(work(&seen)).ok()).map_err(not_started)?;
-    let result = received(py, receiver, is_wanted);
+    let result = received(py, receiver, at_check);
     stop.store(result.is_err(), Ordering::Relaxed);
     result
 }
@@ -50,16 +51,14 @@ fn not_started(error: std::io::Error) -> PyErr {
     PyRuntimeError::new_err(format!("a thread could not be started: {error}"))
 }
 
-/// Waits for a worker's message, for an exception of a signal handler, or until the result is not needed.
+/// Waits for a worker's message, or for an exception of a signal handler or of the function.
 fn received<T: Send>(
     py: Python<'_>,
     mut receiver: Receiver<T>,
-    is_wanted: impl Fn() -> bool + Send + Sync,
+    mut at_check: impl FnMut(Python<'_>) -> PyResult<()>,
 ) -> PyResult<T> {
     loop {
-        if !py.detach(&is_wanted) {
-            return Err(PyRuntimeError::new_err("the call that asked for it has ended"));
-        }
+        at_check(py)?;
         let (state, back) = py.detach(move || (receiver.recv_timeout(POLL), receiver));
         receiver = back;
         match state {
