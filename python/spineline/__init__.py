@@ -19,6 +19,7 @@ from ._analysis import Analysis, Curve, FilmErrors, MethodOptions, analyze
 from ._case import Case, Check, Finding, phantom, read_case
 from ._cohort import Cohort, CohortRun
 from ._errors import InputError, NotAResultError
+from ._film import Film, FilmOptions
 from ._loads import Force, Gravity, Pad, Rod
 from ._model import Model, Simulation
 from ._native import VERSION as __version__
@@ -34,7 +35,9 @@ __all__ = [
     "Cohort",
     "CohortRun",
     "Curve",
+    "Film",
     "FilmErrors",
+    "FilmOptions",
     "Finding",
     "Force",
     "Gravity",

@@ -147,7 +147,8 @@ class Analysis(_Exportable[_native.Analysis]):
     @cached_property
     def tables(self) -> Tables:
         """Tidy tables by name, as ``spineline analyze --tables`` writes them: ``a.tables["vertebrae"].to_pandas()``."""
-        return Tables(self._native)
+        # Another object: tables that held this one would be a cycle in memory.
+        return Tables(Analysis(self._native))
 
     @cached_property
     def data(self) -> dict[str, Any]:
@@ -395,7 +396,7 @@ class FilmErrors:
 
 
 def analyze(
-    case: Case | str | os.PathLike[str], *, identifiability: bool = False, **options: Unpack[MethodOptions]
+    case: Case | str | os.PathLike[str] | Any, *, identifiability: bool = False, **options: Unpack[MethodOptions]
 ) -> Analysis:
     """Runs all steps of the method. Other Python threads run meanwhile.
 
@@ -404,7 +405,7 @@ def analyze(
     Parameters
     ----------
     case
-        The films, or the path of a case file.
+        The films, or a case file as :func:`read_case` reads it.
     identifiability
         Whether to compute which multipliers the bending films identify: 95 % intervals of the mean stiffness of their joints
         (``interval_coverage`` in the JSON says how often they hold the true one), and profile likelihoods.

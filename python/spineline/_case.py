@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
+import logging
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
-from ._export import _Exportable
+from ._export import _Exportable, export_all
 from ._extras import extra
+from ._film import Film, FilmOptions, film_with, films_of
 from ._html import html_table, marked
+from ._inputs import file_content, file_name
+from ._run import now_utc
+from ._tables import Table
 
 if TYPE_CHECKING:
     import pandas
+    from typing_extensions import Unpack
 
 
 class Case(_Exportable[_native.Case]):
     """The films of one patient with their landmarks. It does not change.
 
-    Made by :func:`read_case`, :meth:`Case.from_landmarks`, :meth:`Case.from_json` or :func:`phantom`. Two cases are equal
-    if their files are.
+    Made by :func:`read_case`, :meth:`Case.from_films`, :meth:`Case.from_landmarks`, :meth:`Case.from_json` or :func:`phantom`. Two
+    cases are equal if their files are.
 
     Examples
     --------
@@ -44,56 +51,64 @@ class Case(_Exportable[_native.Case]):
         return cls(_native.parse_case(text.decode() if isinstance(text, bytes) else text))
 
     @classmethod
-    def from_landmarks(
-        cls,
-        landmarks: Any,
-        *,
-        film: str | None = None,
-        mm_per_px: float | tuple[float, float] | None = None,
-        patient_left: Literal["image-left", "image-right"] = "image-left",
-        size_px: tuple[int, int] | None = None,
-        plane: Literal["patient", "detector", "unknown"] = "unknown",
-        case_id: str = "case",
-        synthetic: bool = False,
-    ) -> Case:
-        """Makes a case from a table of landmarks, one row per vertebra.
+    def from_films(cls, films: Iterable[Film], *, case_id: str = "case", synthetic: bool = False) -> Case:
+        """Makes a case from films, each with its own picture and scale.
 
         Parameters
         ----------
-        landmarks
-            A DataFrame of pandas or polars, anything with ``to_csv`` or ``write_csv``, a mapping from names of columns to
-            values, or the text of a landmark file that ``spineline import`` reads (CSV, 3D Slicer, labelme, COCO). Columns,
-            as in the CSV format: ``vertebra``, and column and row of the four corners in pixels, named by the patient's
-            sides: ``superior_left_column_px``, ``superior_left_row_px``, and so on for ``superior_right``,
-            ``inferior_left``, ``inferior_right``. Optional: ``posture``, ``observer``, ``repeat``, ``axis_clockwise_deg``
-            and confidences. A row whose vertebra is ``iliac_crests`` has the tips in the superior columns. Locations in mm
-            (``location_left_mm``, ``location_cranial_mm``, ``tilt_right_deg``) may replace corners.
-        film
-            Posture of the film, such as ``"erect"``, if the table has no column ``posture``.
-        mm_per_px
-            Distance of pixel centres in mm, one number or (columns, rows); without it, results have angles, but no lengths.
-        patient_left
-            Side of the stored picture that shows the patient's left. A wrong side is found and refused.
-        size_px
-            Columns and rows of the pictures; by default the smallest size that holds all landmarks.
-        plane
-            The plane in which ``mm_per_px`` is true.
+        films
+            Films of one patient, each posture once, at most one lateral film.
         case_id
             Identifier, without any name: 1 to 64 letters, digits, ``.``, ``-`` and ``_``.
         synthetic
-            Whether the landmarks are synthetic.
+            Whether the landmarks are synthetic; also if one of the films is.
 
         Raises
         ------
         InputError
-            If a landmark is missing, doubled or impossible: with film, vertebra, value and limit.
+            If a film is given twice, two films have the same landmarks or picture, or the identifier is not valid.
+        TypeError
+            If an object is not a film.
+
+        Examples
+        --------
+        >>> import spineline as sl
+        >>> case = sl.phantom("rod", subject=1)
+        >>> sl.Case.from_films([case.film("erect"), case.film("traction")], case_id="P07").films
+        ['erect', 'traction']
         """
-        spacing = (mm_per_px, mm_per_px) if isinstance(mm_per_px, (int, float)) else mm_per_px
-        return cls(
-            _native.case_from_landmarks(
-                _csv_text(landmarks), case_id, film, spacing, patient_left, size_px, plane, synthetic
-            )
-        )
+        given = list(films)
+        other = next((film for film in given if not isinstance(film, Film)), None)
+        if other is not None:
+            raise TypeError(f"a case is made from films, not {type(other).__name__}: give objects of `Film`")
+        return cls(_native.case_of_films([film._native for film in given], case_id, synthetic))
+
+    @classmethod
+    def from_landmarks(
+        cls, landmarks: Any, *, case_id: str = "case", synthetic: bool = False, **options: Unpack[FilmOptions]
+    ) -> Case:
+        """Makes a case from landmarks of one film, or of all films in one table with the column ``posture``.
+
+        Parameters
+        ----------
+        landmarks, **options
+            As for :class:`Film`; every film has the same options.
+        case_id, synthetic
+            As for :meth:`from_films`.
+
+        Raises
+        ------
+        InputError
+            As :class:`Film` and :meth:`from_films`.
+
+        Examples
+        --------
+        >>> import spineline as sl
+        >>> landmarks = sl.phantom("rod", subject=1).landmarks
+        >>> sl.Case.from_landmarks(landmarks, mm_per_px=0.14, case_id="P07", synthetic=True).films[0]
+        'erect'
+        """
+        return cls(_native.case_of_films(films_of(landmarks, dict(options)), case_id, synthetic))
 
     @property
     def id(self) -> str:
@@ -109,6 +124,101 @@ class Case(_Exportable[_native.Case]):
     def films(self) -> list[str]:
         """Postures that have a film, such as ``"erect"`` or ``"left_bending"``."""
         return self._native.films
+
+    def film(self, name: str) -> Film:
+        """One film, by its posture or ``"lateral"``.
+
+        Raises
+        ------
+        InputError
+            If the film is missing.
+        """
+        return film_with(_native.film_of(self._native, name))
+
+    @property
+    def landmarks(self) -> Table:
+        """The landmarks of all frontal films: one row per vertebra and reading, with the columns of the CSV format. The lateral film
+        has its own table, ``case.film("lateral").landmarks``.
+
+        Raises
+        ------
+        InputError
+            If some films have corners and some have locations; take ``case.film(NAME).landmarks``.
+        """
+        return Table(_native.landmark_table(self._native, False), (getattr, (self, "landmarks")))
+
+    def to_csv(self, folder: str | os.PathLike[str], *, film: str | None = None, overwrite: bool = False) -> list[Path]:
+        """Writes the landmarks as ``landmarks.csv`` into a folder, which is made if it is missing.
+
+        Parameters
+        ----------
+        folder
+            Folder. The names of the files have no data of the patient.
+        film
+            Posture of one film; by default all frontal films.
+        overwrite
+            Whether files that exist are replaced.
+
+        Returns
+        -------
+        list of Path
+            The files. Each is written whole or not at all. The log (``logging``, ``spineline``) names parts of the case for which the
+            format has no place.
+
+        Raises
+        ------
+        InputError
+            If the film is missing, or the format cannot hold it.
+        FileExistsError
+            If a file exists and ``overwrite`` was not given; then no file is written.
+        """
+        return self._write("csv", folder, film, overwrite)
+
+    def to_slicer(self, folder: str | os.PathLike[str], *, film: str | None = None, overwrite: bool = False) -> list[Path]:
+        """Writes point lists for 3D Slicer, such as ``erect.mrk.json``, one per film. Else as :meth:`to_csv`."""
+        return self._write("slicer", folder, film, overwrite)
+
+    def to_labelme(self, folder: str | os.PathLike[str], *, film: str | None = None, overwrite: bool = False) -> list[Path]:
+        """Writes files of labelme, such as ``erect-1.json``, one per reading. Else as :meth:`to_csv`."""
+        return self._write("labelme", folder, film, overwrite)
+
+    def to_coco(self, folder: str | os.PathLike[str], *, film: str | None = None, overwrite: bool = False) -> list[Path]:
+        """Writes key points of COCO as ``landmarks.coco.json``. Else as :meth:`to_csv`."""
+        return self._write("coco", folder, film, overwrite)
+
+    def to_dicom_sr(
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        dicom: Mapping[str, str | os.PathLike[str] | bytes],
+        film: str | None = None,
+        overwrite: bool = False,
+    ) -> list[Path]:
+        """Writes DICOM reports, such as ``erect-1.dcm``, one per reading, with Cobb angles. Else as :meth:`to_csv`.
+
+        Parameters
+        ----------
+        folder, film, overwrite
+            As for :meth:`to_csv`.
+        dicom
+            The DICOM file of every film, by its posture. Reports contain the patient's name and number from these files.
+        """
+        return self._write("dicom-sr", folder, film, overwrite, dicom)
+
+    def _write(
+        self,
+        target: str,
+        folder: str | os.PathLike[str],
+        film: str | None,
+        overwrite: bool,
+        dicom: Mapping[str, str | os.PathLike[str] | bytes] = {},
+    ) -> list[Path]:
+        moment = [part.replace(mark, "") for part, mark in zip(now_utc().rstrip("Z").split("T"), "-:", strict=True)]
+        files, notes = _native.landmark_files(self._native, target, film, dict(dicom), moment)
+        for note in notes:
+            logging.getLogger("spineline").warning("%s: %s", self.id, note)
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        return export_all(folder, dict(files), overwrite=overwrite)
 
     def check(self) -> Check:
         """Errors and warnings about the films, before any result. Jupyter shows it as a table.
@@ -201,13 +311,20 @@ class Check:
         return self._html
 
 
-def read_case(path: str | os.PathLike[str]) -> Case:
+def read_case(file: str | os.PathLike[str] | Any) -> Case:
     """Reads a case file, or the case within a file of an analysis.
+
+    Parameters
+    ----------
+    file
+        Path, or an open file, ``zipfile.Path`` or an object of fsspec. Results record its name, without folders, and its SHA-256.
 
     Raises
     ------
     InputError
         If the file cannot be read or is not a case; it says where, and names the nearest known key.
+    TypeError
+        If it is neither path nor file.
 
     Examples
     --------
@@ -216,7 +333,9 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     >>> sl.read_case(path).id
     'phantom-rod-01'
     """
-    return Case(_native.read_case(os.fspath(path)))
+    if isinstance(file, (str, os.PathLike)):
+        return Case(_native.read_case(os.fspath(file)))
+    return Case(_native.read_case(file_name(file) or "case.json", file_content(file)))
 
 
 def phantom(
@@ -247,25 +366,3 @@ def phantom(
     'phantom-pull-03'
     """
     return Case(_native.phantom(scenario, subject, seed, noise))
-
-
-def _csv_text(landmarks: Any) -> str:
-    """The text of a landmark file; a table as CSV with commas."""
-    if isinstance(landmarks, str):
-        return landmarks
-    if hasattr(landmarks, "write_csv"):
-        return str(landmarks.write_csv())
-    if hasattr(landmarks, "to_csv"):
-        return str(landmarks.to_csv(index=False))
-    if isinstance(landmarks, Mapping):
-        import csv
-        import io
-
-        text = io.StringIO()
-        writer = csv.writer(text)
-        writer.writerow(landmarks)
-        writer.writerows(zip(*landmarks.values(), strict=True))
-        return text.getvalue()
-    raise TypeError(
-        f"landmarks must be a DataFrame, a mapping of columns or the text of a landmark file, not {type(landmarks).__name__}"
-    )

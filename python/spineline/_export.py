@@ -71,6 +71,22 @@ def export(path: str | os.PathLike[str], text: str, *, overwrite: bool) -> Path:
     OSError
         If it cannot be written.
     """
-    if not overwrite and os.path.lexists(path):
-        raise FileExistsError(errno.EEXIST, "the file exists; give `overwrite=True`", str(path))
-    return write_whole(path, text.encode())
+    [written] = export_all(Path(path).parent, {Path(path).name: text.encode()}, overwrite=overwrite)
+    return written
+
+
+def export_all(folder: str | os.PathLike[str], files: dict[str, bytes], *, overwrite: bool) -> list[Path]:
+    """Writes files into a folder, each whole or not at all; returns their paths.
+
+    Raises
+    ------
+    FileExistsError
+        If one of the files exists and ``overwrite`` was not given; then no file is written.
+    OSError
+        If a file cannot be written.
+    """
+    paths = [Path(folder, name) for name in files]
+    for path in paths:
+        if not overwrite and os.path.lexists(path):
+            raise FileExistsError(errno.EEXIST, "the file exists; give `overwrite=True`", str(path))
+    return [write_whole(path, content) for path, content in zip(paths, files.values(), strict=True)]

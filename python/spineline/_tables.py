@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
     from ._analysis import Analysis
 
-LEVELS = ("S1", *(f"L{n}" for n in range(5, 0, -1)), *(f"T{n}" for n in range(12, 0, -1)), "C7")
+LEVELS: tuple[str, ...] = ("S1", *(f"L{n}" for n in range(5, 0, -1)), *(f"T{n}" for n in range(12, 0, -1)), "C7")
 """Names of vertebrae in the order of the tables: the lowest one first."""
 
-_OF_LEVELS = ("level", "inferior", "superior", "plumb_level", "stable_vertebra")
+_OF_LEVELS = ("level", "vertebra", "inferior", "superior", "plumb_level", "stable_vertebra")
 """Columns that hold names of vertebrae."""
 
 _SHOWN = 10
@@ -32,7 +32,7 @@ _SHOWN = 10
 class Table:
     """A table: columns of the same length; names of columns end with units.
 
-    Iteration gives the rows. Pickle holds the analysis, and computes the table again.
+    Iteration gives the rows. Pickle holds the analysis or the case, and computes the table again.
 
     It has the Arrow PyCapsule interface (``__arrow_c_stream__``), so that ``polars.DataFrame(table)``,
     ``pyarrow.table(table)`` and duckdb take it without a copy of the values.
@@ -45,11 +45,12 @@ class Table:
     ('1', 'inflection_line')
     """
 
-    __slots__ = ("_native", "_origin")
+    __slots__ = ("_made_by", "_native")
 
-    def __init__(self, native: _native.Table, origin: _native.Analysis | None = None) -> None:
+    def __init__(self, native: _native.Table, made_by: tuple[Any, ...] | None = None) -> None:
         self._native = native
-        self._origin = origin
+        self._made_by = made_by
+        """A function and its arguments that compute the table again."""
 
     @property
     def name(self) -> str:
@@ -119,8 +120,8 @@ class Table:
         table = self.to_pyarrow()
         truths = {field.name: "boolean" for field in table.schema if str(field.type) == "bool"}
         frame: pandas.DataFrame = table.to_pandas().astype(truths)
-        levels = pandas.CategoricalDtype(list(LEVELS), ordered=True)
-        return frame.astype(dict.fromkeys(self._columns_of_levels(), levels))
+        ordered = self._levels().items()
+        return frame.astype({name: pandas.CategoricalDtype(list(levels), ordered=True) for name, levels in ordered})
 
     def to_polars(self) -> polars.DataFrame:
         """The table as a polars DataFrame. Needs polars (the extra ``polars``).
@@ -129,9 +130,8 @@ class Table:
         """
         with extra("polars"):
             import polars
-        levels = polars.Enum(LEVELS)
         return polars.DataFrame(self).with_columns(
-            polars.col(name).cast(levels) for name in self._columns_of_levels()
+            polars.col(name).cast(polars.Enum(levels)) for name, levels in self._levels().items()
         )
 
     def to_xarray(self, *index: str) -> xarray.Dataset:
@@ -180,19 +180,19 @@ class Table:
         """The text of the CSV file that ``spineline analyze --tables`` writes."""
         return self._native.to_csv()
 
-    def _columns_of_levels(self) -> list[str]:
-        """Columns with vertebrae alone."""
-        found = (name for name in self.columns if name in _OF_LEVELS)
-        return [name for name in found if set(self[name]) <= {None, *LEVELS}]
+    def _levels(self) -> dict[str, tuple[str, ...]]:
+        """The order of the values of every column with vertebrae alone; landmarks have the iliac crests among them."""
+        found = {name: LEVELS for name in self.columns if name in _OF_LEVELS}
+        if "vertebra" in found:
+            found["vertebra"] = ("iliac_crests", *LEVELS)
+        return {name: levels for name, levels in found.items() if set(self[name]) <= {None, *levels}}
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._origin is None:
+        if self._made_by is None:
             raise InputError(
                 f"the table `{self.name}` cannot be pickled", help="pickle its data: `to_pyarrow()`"
             )
-        from ._analysis import Analysis
-
-        return (_table_of, (Analysis(self._origin), self.name))
+        return self._made_by
 
     def __repr__(self) -> str:
         return f"<Table {self.name}: {len(self)} rows, {len(self.columns)} columns>"
@@ -217,8 +217,9 @@ class Tables(Mapping[str, Table]):
 
     __slots__ = ("_all",)
 
-    def __init__(self, analysis: _native.Analysis) -> None:
-        self._all = {table.name: Table(table, analysis) for table in analysis.tables()}
+    def __init__(self, analysis: Analysis) -> None:
+        tables = analysis._native.tables()
+        self._all = {table.name: Table(table, (_table_of, (analysis, table.name))) for table in tables}
 
     def __getitem__(self, name: str) -> Table:
         """One table.

@@ -10,7 +10,8 @@ use spineline::analysis::{self, AnalysisOptions};
 use spineline::anatomy::FilmView;
 use spineline::error::Error;
 use spineline_files::{
-    CaseFile, InputFile, parse_case_file, parse_case_within, read_text, to_text,
+    CaseFile, InputFile, MAX_FILE_BYTES, parse_case_file, parse_case_within, read_bytes, text_of,
+    to_text,
 };
 use spineline_phantom::{Readers, SUBJECTS, Scenario, generate};
 
@@ -35,16 +36,24 @@ impl Case {
         let case = file.clone().into_case()?;
         Ok(Self { file: Arc::new(file), case: Arc::new(case), input })
     }
+
+    /// Frontal films, then the lateral one.
+    pub fn all_films(&self) -> Vec<FilmView> {
+        let frontal = self.case.films.iter().map(|film| FilmView::Frontal(film.posture));
+        frontal.chain(self.case.lateral.iter().map(|_| FilmView::Lateral)).collect()
+    }
 }
 
-/// Reads a case, or the case within an analysis, from a file.
+/// Reads a case, or the case within an analysis, from a file of this name, or from its bytes.
 #[pyfunction]
-pub fn read_case(py: Python<'_>, path: PathBuf) -> PyResult<Case> {
-    read(&path).map_err(|fault| fault.in_file(&path).raise(py))
+#[pyo3(signature = (path, content = None))]
+pub fn read_case(py: Python<'_>, path: PathBuf, content: Option<Vec<u8>>) -> PyResult<Case> {
+    read(&path, content).map_err(|fault| fault.in_file(&path).raise(py))
 }
 
-fn read(path: &Path) -> Result<Case, Fault> {
-    let text = read_text(path)?;
+fn read(path: &Path, content: Option<Vec<u8>>) -> Result<Case, Fault> {
+    let content = content.map_or_else(|| read_bytes(path, MAX_FILE_BYTES), Ok)?;
+    let text = text_of(path, content)?;
     let (file, _) = parse_case_within(&text)?;
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     Case::new(file, Some(InputFile::of(name, text.as_bytes())))
@@ -103,6 +112,12 @@ impl Case {
     #[getter]
     fn films(&self) -> Vec<&'static str> {
         self.case.films.iter().map(|film| film.posture.key()).collect()
+    }
+
+    /// All films: frontal ones in the order of the file, then the lateral one.
+    #[getter]
+    fn views(&self) -> Vec<&'static str> {
+        self.all_films().into_iter().map(FilmView::key).collect()
     }
 
     /// Errors and warnings about the films, one dictionary each, and the whole as text and as HTML.

@@ -6,7 +6,9 @@
 mod analysis;
 mod case;
 mod cohort;
+mod exports;
 mod fault;
+mod films;
 mod landmarks;
 mod model;
 mod numbers;
@@ -25,7 +27,11 @@ mod _native {
     #[pymodule_export]
     use super::cohort::{analyze_paths, check_options, identify_cases};
     #[pymodule_export]
-    use super::landmarks::case_from_landmarks;
+    use super::exports::{landmark_files, landmark_table};
+    #[pymodule_export]
+    use super::films::{case_of_films, film_of, plane_of};
+    #[pymodule_export]
+    use super::landmarks::films_of_landmarks;
     #[pymodule_export]
     use super::model::{Model, Simulation, force_vector, parse_model_text};
     #[pymodule_export]

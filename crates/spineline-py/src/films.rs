@@ -1,0 +1,117 @@
+//! Films of a case: taken out and put together.
+
+use pyo3::prelude::*;
+use spineline::analysis::{self, Subject, check_repeated};
+use spineline::anatomy::FilmView;
+use spineline::error::Error;
+use spineline::measure::{Film, FilmLandmarks, LateralFilm, SpacingPlane};
+use spineline_files::method_text::named;
+use spineline_files::{CaseFile, FilmSource, nearest};
+
+use crate::case::Case;
+use crate::fault::Fault;
+
+/// Identifier of a case that is one film.
+const ALONE: &str = "film";
+
+/// A film by its name.
+///
+/// # Errors
+/// For an unknown name, with a similar one.
+pub fn view(film: &str) -> Result<FilmView, Fault> {
+    named(film).map_err(|_| {
+        let names = FilmView::ALL.map(FilmView::key);
+        let meant = nearest(film, &names).map(|name| format!("; did you mean `{name}`?"));
+        let text = format!("unknown film `{film}`{}", meant.unwrap_or_default());
+        Fault::new(text, format!("give one of {}", names.join(", ")))
+    })
+}
+
+/// A case of one film, which is in one of both lists, and the file of its picture.
+///
+/// # Errors
+/// If the file cannot hold it.
+pub fn one_film(
+    films: Vec<Film>,
+    lateral: Option<LateralFilm>,
+    source: FilmSource,
+) -> Result<Case, Fault> {
+    let posture = films.first().map(|film| film.posture);
+    let (id, subject) = (ALONE.to_owned(), Subject::default());
+    let case = analysis::Case { id, synthetic: false, subject, films, lateral };
+    let file = CaseFile::from_case(&case);
+    let file = match posture {
+        Some(posture) => file.with_source(posture, source),
+        None => file.with_lateral_source(source),
+    };
+    Case::new(file, None)
+}
+
+/// One case of the films of these cases. It is synthetic if it is said to be, or if one of them is.
+#[pyfunction]
+pub fn case_of_films(
+    py: Python<'_>,
+    films: Vec<PyRef<'_, Case>>,
+    case_id: String,
+    synthetic: bool,
+) -> PyResult<Case> {
+    let synthetic = synthetic || films.iter().any(|one| one.case.synthetic);
+    let parts: Vec<&Case> = films.iter().map(|one| &**one).collect();
+    joined(&parts, case_id, synthetic).map_err(|fault| fault.raise(py))
+}
+
+fn joined(parts: &[&Case], id: String, synthetic: bool) -> Result<Case, Fault> {
+    let views: Vec<FilmView> = parts.iter().flat_map(|one| one.all_films()).collect();
+    if let Some((_, view)) = views.iter().enumerate().find(|(i, view)| views[..*i].contains(view)) {
+        return Err(Fault::new(format!("two films are {view}"), "give every film once"));
+    }
+    let films: Vec<Film> = parts.iter().flat_map(|one| one.case.films.iter().cloned()).collect();
+    check_repeated(&films).map_err(Error::from)?;
+    let lateral = parts.iter().find_map(|one| one.case.lateral.clone());
+    let case = analysis::Case { id, synthetic, subject: Subject::default(), films, lateral };
+    let file = parts.iter().fold(CaseFile::from_case(&case), |file, one| with_pictures(file, one));
+    Case::new(file, None)
+}
+
+/// Names the pictures of the films of another case.
+fn with_pictures(file: CaseFile, of: &Case) -> CaseFile {
+    of.all_films().into_iter().fold(file, |file, view| match view {
+        FilmView::Frontal(posture) => match of.file.source(posture) {
+            Some(source) => file.with_source(posture, source),
+            None => file,
+        },
+        FilmView::Lateral => file.with_lateral_source(of.file.lateral_source().unwrap_or_default()),
+    })
+}
+
+/// One film of a case, as a case.
+#[pyfunction]
+pub fn film_of(py: Python<'_>, case: &Case, name: &str) -> PyResult<Case> {
+    let made = || -> Result<Case, Fault> {
+        let wanted = view(name)?;
+        let films = case.case.films.iter().filter(|film| wanted.posture() == Some(film.posture));
+        let films: Vec<Film> = films.cloned().collect();
+        let lateral = case.case.lateral.clone().filter(|_| wanted == FilmView::Lateral);
+        if films.is_empty() && lateral.is_none() {
+            let names: Vec<&str> = case.all_films().into_iter().map(FilmView::key).collect();
+            let text = format!("{}: the case has no {wanted} film", case.case.id);
+            return Err(Fault::new(text, format!("give one of {}", names.join(", "))));
+        }
+        let (id, synthetic) = (ALONE.to_owned(), case.case.synthetic);
+        let alone = analysis::Case { id, synthetic, subject: Subject::default(), films, lateral };
+        Case::new(with_pictures(CaseFile::from_case(&alone), case), None)
+    };
+    made().map_err(|fault| fault.raise(py))
+}
+
+/// The plane of the millimetres of a case with one frontal film; None for a lateral film.
+#[pyfunction]
+pub fn plane_of(case: &Case) -> Option<&'static str> {
+    let plane = match &case.case.films.first()?.landmarks {
+        FilmLandmarks::Corners { image, .. } => {
+            image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane)
+        }
+        FilmLandmarks::Placements { spacing_plane, .. } => *spacing_plane,
+    };
+    Some(plane.key())
+}
