@@ -16,23 +16,11 @@
 # **synthetic**; the notebook writes the file itself, so that it runs anywhere.
 
 # %%
-import json
-
 import matplotlib.pyplot as plt
 import pandas as pd
 import spineline as sl
 
-CORNERS = ("superior_left", "superior_right", "inferior_left", "inferior_right")
-rows = []
-for film in json.loads(sl.phantom("bend", subject=4).to_json())["films"]:
-    for reading in film["readings"]:
-        for level, corners in reading["vertebrae"].items():
-            row = {"posture": film["posture"], "observer": reading["observer"]}
-            row |= {"repeat": reading["repeat"], "vertebra": level}
-            for corner in CORNERS:
-                row[f"{corner}_column_px"], row[f"{corner}_row_px"] = corners[corner]
-            rows.append(row)
-pd.DataFrame(rows).to_csv("landmarks.csv", index=False)
+sl.phantom("bend", subject=4).landmarks.to_pandas().to_csv("landmarks.csv", index=False)
 
 # %% [markdown]
 # ## The table

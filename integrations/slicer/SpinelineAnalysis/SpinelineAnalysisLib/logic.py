@@ -67,24 +67,20 @@ def case_of(films: Iterable[FilmPoints], *, case_id: str, plane: str = "unknown"
     spineline.InputError
         If a corner is missing, doubled or impossible: with film, vertebra and what to do.
     """
-    merged: dict[str, object] = {}
-    found: list[object] = []
-    for film in films:
-        one = sl.Case.from_landmarks(
+    found = [
+        sl.Film(
             markups(film),
             film=film.posture,
             mm_per_px=film.spacing_mm,
             size_px=film.size_px,
             patient_left=film.patient_left,  # type: ignore[arg-type]
             plane=plane,  # type: ignore[arg-type]
-            case_id=case_id,
-            synthetic=synthetic,
         )
-        merged = json.loads(one.to_json())
-        found += merged["films"]  # type: ignore[arg-type]
+        for film in films
+    ]
     if not found:
         raise sl.InputError("no film has points", help="choose a point list and a volume for the erect film at least")
-    return sl.Case.from_json(json.dumps({**merged, "films": found}))
+    return sl.Case.from_films(found, case_id=case_id, synthetic=synthetic)
 
 
 def markups(film: FilmPoints) -> str:
