@@ -16,7 +16,7 @@ from ._film import Film, FilmOptions, film_with, films_of
 from ._html import html_table, marked
 from ._inputs import file_content, file_name
 from ._run import now_utc
-from ._tables import Table
+from ._tables import LEVELS, Table
 
 if TYPE_CHECKING:
     import pandas
@@ -52,7 +52,7 @@ class Case(_Exportable[_native.Case]):
 
     @classmethod
     def from_films(cls, films: Iterable[Film], *, case_id: str = "case", synthetic: bool = False) -> Case:
-        """Makes a case from films, each with its own picture and scale.
+        """Makes a case from films, each with its own picture and scale. Films have no data of the patient, such as sex and age.
 
         Parameters
         ----------
@@ -297,12 +297,13 @@ class Check:
         return iter(self.findings)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The findings as a pandas DataFrame, one row each. Needs pandas."""
+        """The findings as a pandas DataFrame, one row each. Vertebrae are ordered categories, the lowest one first. Needs pandas."""
         with extra("pandas"):
             import pandas
         names = list(Finding.__dataclass_fields__)
         rows = [[getattr(finding, name) for name in names] for finding in self.findings]
-        return pandas.DataFrame(rows, columns=names)
+        levels = pandas.CategoricalDtype(list(LEVELS), ordered=True)
+        return pandas.DataFrame(rows, columns=names).astype({"level": levels})
 
     def __repr__(self) -> str:
         return self._text

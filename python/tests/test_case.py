@@ -81,6 +81,15 @@ def test_a_check_lists_doubts_as_a_table(case: sl.Case) -> None:
     assert "Synthetic data" in check._repr_html_()
 
 
+def test_vertebrae_of_findings_are_in_the_order_of_the_spine(case: sl.Case) -> None:
+    pytest.importorskip("pandas")
+    columns = landmarks(case, "erect")
+    for level in ("T10", "T2"):
+        columns["superior_left_row_px"][columns["vertebra"].index(level)] -= 80.0  # type: ignore[operator]
+    frame = sl.Case.from_landmarks(columns, film="erect", mm_per_px=0.1).check().to_pandas()
+    assert {"T10", "T2"} <= set(frame.level.dropna()) and frame.level.max() == "T2"
+
+
 def test_a_misspelt_key_is_named_with_its_file_and_the_nearest_key(tmp_path: Path) -> None:
     path = tmp_path / "case.json"
     path.write_text('{"format": "spineline-case", "version": 1, "case_id": "a", "filmes": []}')
