@@ -39,7 +39,8 @@ pub(super) fn parse(
     view: View,
 ) -> Result<LandmarkFile, LandmarkError> {
     // Invalid text is read too, so that the error names its line.
-    let text = decode_text(bytes);
+    // The reader counts the end `\r\n` as a part of the next line.
+    let text = decode_text(bytes).map(|text| text.replace("\r\n", "\n"));
     let bytes = text.as_ref().map_or(bytes, |text| text.as_bytes());
     let stated = text.as_ref().and_then(|text| stated_separator(text));
     let separator = match stated.and_then(|separator| u8::try_from(separator).ok()) {

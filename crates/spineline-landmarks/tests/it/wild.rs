@@ -103,6 +103,14 @@ fn mixed_decimal_marks_are_named_with_line_and_value() {
 }
 
 #[test]
+fn a_row_is_named_by_its_line_with_any_ends_of_lines() {
+    for end in ["\n", "\r\n"] {
+        let text = table().replacen("T12", "X12", 1).replace('\n', end);
+        refused(text.as_bytes(), &["line 6", "X12"]);
+    }
+}
+
+#[test]
 fn rows_without_numbers_are_not_placed_in_any_spelling() {
     for blank in ["", "NaN", "NA", "n/a", "-", "null", "None", "#N/A", "inf", "<NA>"] {
         let cells = [blank; 8].join(",");
