@@ -320,3 +320,26 @@ def test_reports_need_the_dicom_files_of_the_films(case: sl.Case, tmp_path: Path
     with pytest.raises(sl.InputError, match="erect"):
         case.to_dicom_sr(tmp_path / "reports", film="erect", dicom={"erect": wrong})
     assert not (tmp_path / "reports").exists()
+
+
+def test_reports_are_as_the_program_writes_them(
+    program: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "phantom"
+    # A quarter of the usual columns and rows.
+    make = ["phantom", "--scenario", "rod", "--subject", "1", "--pixel-size", "4", "--films", "--out", folder]
+    subprocess.run([program, *make], check=True, capture_output=True)
+    file = folder / "phantom-rod-01.json"
+    theirs = ["export", file, "--to", "dicom-sr", "--posture", "erect", "--written", "20260131235959", "--out", tmp_path / "theirs"]
+    subprocess.run([program, *theirs], check=True, capture_output=True)
+    case = sl.read_case(file)
+    dicom = folder / str(case.film("erect").picture)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1769903999")
+    paths = case.to_dicom_sr(tmp_path / "ours", film="erect", dicom={"erect": dicom})
+    assert [path.name for path in paths] == [f"erect-{number}.dcm" for number in range(1, 7)]
+    assert all(path.read_bytes() == (tmp_path / "theirs" / path.name).read_bytes() for path in paths)
+    erect = case.film("erect")
+    again = sl.Film(paths[0], picture=dicom, size_px=erect.size_px, mm_per_px=erect.mm_per_px)
+    assert (again.name, again.picture, len(again.landmarks)) == ("erect", dicom.name, 16)
+    [drawn] = case.to_labelme(tmp_path / "labelme", film="erect")[:1]
+    assert sl.Film(drawn, film="erect", picture=dicom).size_px == erect.size_px
