@@ -37,6 +37,13 @@ pub async fn picture(state: &AppState, film: &FilmRecord) -> Answer<Vec<u8>> {
     computed(move || file.display(None, inverted).thumbnail(rows, aspect).to_png()).await
 }
 
+/// SHA-256 of the picture of a film in the store, whatever its file.
+pub async fn picture_sha256(state: &AppState, content: &Hash) -> Answer<String> {
+    let _permit = state.films().decoding().await?;
+    let film = stored(state, content).await?;
+    computed(move || film.picture_sha256()).await
+}
+
 /// Thumbnails of a film in the store.
 pub async fn thumbnails(state: &AppState, content: &Hash) -> Answer<Thumbnails> {
     if let Some(known) = kept_thumbnails(state, content).await? {

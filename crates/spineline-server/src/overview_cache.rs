@@ -82,9 +82,13 @@ fn status_of(
     complete: &BTreeMap<ReadingId, u32>,
 ) -> (StudyStatus, String) {
     let all = Level::MODEL.len();
+    let is_marked = |reading: &ReadingRecord| {
+        reading.withdrawn.is_none() && complete.get(&reading.id).is_some_and(|&count| count > 0)
+    };
     let erect = films.iter().filter(|film| film.view == FilmView::Frontal(Posture::Erect));
     let best = erect
         .flat_map(|film| readings.iter().filter(|reading| reading.film == film.id))
+        .filter(|reading| reading.withdrawn.is_none())
         .filter_map(|reading| complete.get(&reading.id).copied())
         .max()
         .unwrap_or(0);
@@ -93,7 +97,7 @@ fn status_of(
             StudyStatus::Marking,
             format!("all {all} vertebrae on the erect film; no finished reading"),
         )
-    } else if best > 0 || complete.values().any(|&count| count > 0) {
+    } else if best > 0 || readings.iter().any(is_marked) {
         (StudyStatus::Marking, format!("{best} of {all} vertebrae on the erect film"))
     } else {
         (StudyStatus::ToMark, "no vertebra has landmarks yet".to_owned())

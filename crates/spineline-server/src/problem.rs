@@ -68,7 +68,10 @@ impl From<StoreError> for Failure {
             StoreError::NotYours { .. } => (S::FORBIDDEN, "not_yours"),
             StoreError::Finished { .. } => (S::CONFLICT, "finished"),
             StoreError::Exists { .. } | StoreError::AlreadyKnown { .. } => (S::CONFLICT, "exists"),
-            StoreError::FilmsFrozen { .. } => (S::CONFLICT, "films_frozen"),
+            StoreError::PlanRuns { .. } => (S::CONFLICT, "plan_runs"),
+            StoreError::Archived { .. } => (S::CONFLICT, "archived"),
+            StoreError::Withdrawn { .. } => (S::CONFLICT, "withdrawn"),
+            StoreError::NotFinished { .. } => (S::CONFLICT, "not_finished"),
             StoreError::LastAdmin { .. } => (S::CONFLICT, "last_admin"),
             StoreError::BadPassword { .. } => (S::UNPROCESSABLE_ENTITY, "bad_password"),
             StoreError::TooLarge { .. } => (S::PAYLOAD_TOO_LARGE, "too_large"),
@@ -92,6 +95,9 @@ fn words(error: &StoreError) -> String {
         }
         StoreError::Finished { .. } => "this reading is finished".to_owned(),
         StoreError::NotYours { .. } => "this reading belongs to another observer".to_owned(),
+        StoreError::Withdrawn { .. } => "this reading is withdrawn".to_owned(),
+        StoreError::NotFinished { .. } => "this reading is not finished".to_owned(),
+        StoreError::NoReason { .. } => "a withdrawal needs a reason".to_owned(),
         StoreError::BadEvent { reason, .. } => (*reason).to_owned(),
         StoreError::Incomplete { level, corners, .. } => {
             format!("{level} has {corners} of four corners")

@@ -16,11 +16,12 @@ use crate::error::StoreError;
 use crate::names::{Hash, Signature};
 
 /// Tables whose rows the log covers, each with the word that its objects begin with and its key.
-pub(crate) const TABLES: [(&str, &str, &str); 11] = [
+pub(crate) const TABLES: [(&str, &str, &str); 12] = [
     ("contents", "content", "hash"),
     ("studies", "study", "id"),
     ("films", "film", "id"),
     ("readings", "reading", "id"),
+    ("withdrawals", "withdrawal", "reading"),
     ("events", "event", "sequence"),
     ("plans", "plan", "id"),
     ("slots", "slot", "code"),

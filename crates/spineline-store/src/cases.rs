@@ -197,7 +197,7 @@ impl NewCase {
         if case.films.iter().any(has_confidences) {
             remarks.push(CaseRemark::Confidences);
         }
-        let study = Study { id, label: None, synthetic: case.synthetic };
+        let study = Study::new(id, None, case.synthetic);
         Ok(Self { study, films, remarks })
     }
 
@@ -383,6 +383,14 @@ impl Store {
         self.write(by, |ledger| insert_case(ledger, case))
     }
 
+    /// Adds the films of a case to its study, which exists, in one transaction.
+    ///
+    /// # Errors
+    /// As [`Store::add_film`].
+    pub fn add_films(&mut self, case: &NewCase, by: &Signature) -> Result<AddedCase, StoreError> {
+        self.write(by, |ledger| insert_films(ledger, case))
+    }
+
     /// As [`Store::add_case`], and grants the creator to edit the study, in the same transaction.
     ///
     /// # Errors
@@ -402,6 +410,10 @@ impl Store {
 
 fn insert_case(ledger: &Ledger<'_>, case: &NewCase) -> Result<AddedCase, StoreError> {
     films::insert_study(ledger, &case.study)?;
+    insert_films(ledger, case)
+}
+
+fn insert_films(ledger: &Ledger<'_>, case: &NewCase) -> Result<AddedCase, StoreError> {
     let study = case.study.id.clone();
     let (mut films, mut readings) = (Vec::new(), 0);
     for film in &case.films {

@@ -12,7 +12,7 @@ use crate::names::{FilmId, Name, ReadingId, Timestamp};
 pub struct Acknowledged {
     /// Number of its entry in the audit log: the order of all changes.
     pub sequence: u64,
-    /// Revision of the reading or film after it.
+    /// Revision of the reading, film, study or options after it.
     pub revision: u64,
 }
 
@@ -84,7 +84,7 @@ pub(crate) fn keep_lost(
     Ok(StoreError::Conflict { object, expected, found, conflict })
 }
 
-fn lost_changes(
+pub(crate) fn lost_changes(
     connection: &Connection,
     object: &str,
     first: i64,

@@ -22,7 +22,7 @@ use crate::state::{ReadingState, VertebraReading};
 /// Which readings of a study the current case uses.
 #[derive(Debug, Clone, Copy)]
 pub enum CaseReadings<'a> {
-    /// All finished ones.
+    /// All that count: finished and not withdrawn.
     Finished,
     /// On the film of an open reading that reading alone, with unrecorded events. On every other film the
     /// same observer's newest reading that is complete, or else all finished ones.
@@ -148,7 +148,9 @@ impl Store {
                     let chosen = self.beside(&snapshot, (hand, film.view), pending, &of_film)?;
                     if hand.film == film.id {
                         let others = self.finished(&snapshot, &of_film)?.into_iter();
-                        let others = others.filter(|(other, _)| other.id != hand.id);
+                        let others = others.filter(|(other, _)| {
+                            other.id != hand.id && Some(other.id) != hand.corrects
+                        });
                         let all: Vec<_> = chosen.iter().cloned().chain(others).collect();
                         let id = Reader::new(hand.observer.to_string(), hand.repeat);
                         if let AssembledFilm::Frontal(film) = assembly::film(&film, &all)? {
@@ -182,7 +184,7 @@ impl Store {
         connection: &Connection,
         of_film: &[&'r ReadingRecord],
     ) -> Result<Read<'r>, StoreError> {
-        let finished = of_film.iter().filter(|reading| reading.finished_at.is_some());
+        let finished = of_film.iter().filter(|reading| reading.counts());
         finished.map(|&reading| Ok((reading, self.state_of(connection, reading)?))).collect()
     }
 
@@ -198,8 +200,10 @@ impl Store {
             let events = journal::events(connection, own.id)?;
             return Ok(vec![(own, journal::replayed(own, view, events, pending)?)]);
         }
-        let mut own: Vec<&'r ReadingRecord> =
-            of_film.iter().copied().filter(|reading| reading.observer == hand.observer).collect();
+        let is_own = |reading: &&ReadingRecord| {
+            reading.observer == hand.observer && reading.withdrawn.is_none()
+        };
+        let mut own: Vec<&'r ReadingRecord> = of_film.iter().copied().filter(is_own).collect();
         own.sort_by_key(|reading| std::cmp::Reverse(reading.id));
         for reading in own {
             let state = self.state_of(connection, reading)?;

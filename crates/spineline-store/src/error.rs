@@ -200,13 +200,37 @@ pub enum StoreError {
         /// Study.
         study: Name,
     },
-    /// A change of a film while its plan runs.
+    /// A change of a film, or the withdrawal of a reading, while a plan runs.
     #[error(
-        "the films of study {study} keep their posture, scale and grey levels until all planned readings are finished"
+        "films and readings of study {study} stay as they are until all planned readings are finished"
     )]
-    FilmsFrozen {
+    PlanRuns {
         /// Study.
         study: Name,
+    },
+    /// A change in an archived study.
+    #[error("study {study} is archived: nothing in it can be changed")]
+    Archived {
+        /// Study.
+        study: Name,
+    },
+    /// A change of a withdrawn reading.
+    #[error("{reading} is withdrawn")]
+    Withdrawn {
+        /// Reading.
+        reading: ReadingId,
+    },
+    /// A correction of a reading that is not finished.
+    #[error("{reading} is not finished")]
+    NotFinished {
+        /// Reading.
+        reading: ReadingId,
+    },
+    /// A withdrawal without a reason.
+    #[error("the withdrawal of {reading} has no reason")]
+    NoReason {
+        /// Reading.
+        reading: ReadingId,
     },
     /// A release of a plan in which no finished reading has a time in the future.
     #[error("no finished reading of study {study} has a time ahead of the clock")]
@@ -303,13 +327,19 @@ impl StoreError {
             Self::Conflict { .. } => {
                 "compare both versions, and repeat the change on the newest one"
             }
-            Self::Finished { .. } => "correct it in a new repeat",
+            Self::Finished { .. } => {
+                "correct it: a copy opens as a new reading, and replaces it when it is finished"
+            }
             Self::NotYours { .. } => "open your own reading of this film",
             Self::NoEvent => "send at least one event",
             Self::BadEvent { .. } => "reload the reading",
             Self::Incomplete { .. } => "place the missing corners, or remove the vertebra",
             Self::PlanGoverns { .. } => "ask for the observer's next film, or make a new study",
-            Self::FilmsFrozen { .. } => "change the film when the plan is complete",
+            Self::PlanRuns { .. } => "repeat the change when the plan is complete",
+            Self::Archived { .. } => "restore the study first: *Edit this study…* does it",
+            Self::Withdrawn { .. } => "begin a new reading of the film",
+            Self::NotFinished { .. } => "change its landmarks directly",
+            Self::NoReason { .. } => "give a reason, such as `T6 was placed on T7`",
             Self::NothingAhead { .. } => {
                 "wait until the washout is over; `spineline study next` prints when"
             }

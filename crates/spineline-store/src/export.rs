@@ -16,6 +16,7 @@ use crate::journal;
 use crate::names::{Name, ReadingId, Signature};
 use crate::readings;
 use crate::state::ReadingState;
+use crate::withdrawals::{Withdrawal, WithdrawalCause};
 
 /// A case file and the omitted parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,13 +28,20 @@ pub struct ExportedCase {
 }
 
 /// A part of the study that is not in its case file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ExportRemark {
     /// A reading that is not finished.
     Unfinished {
         /// Reading.
         reading: ReadingId,
+    },
+    /// A withdrawn reading, or one that a correction replaces.
+    Withdrawn {
+        /// Reading.
+        reading: ReadingId,
+        /// Who withdrew or corrected it, when and why.
+        withdrawal: Withdrawal,
     },
     /// A scale measured on the film; the case has the spacing of the image.
     ScaleLeftOut {
@@ -53,6 +61,16 @@ impl std::fmt::Display for ExportRemark {
             Self::Unfinished { reading } => {
                 write!(f, "{reading} is not finished; it is not in the case")
             }
+            Self::Withdrawn { reading, withdrawal: Withdrawal { who, at, cause } } => match cause {
+                WithdrawalCause::Reason(reason) => write!(
+                    f,
+                    "{reading} was withdrawn by {who} at {at} ({reason}); it is not in the case"
+                ),
+                WithdrawalCause::CorrectedBy(correction) => write!(
+                    f,
+                    "{reading} was corrected by {who} at {at} ({correction}); it is not in the case"
+                ),
+            },
             Self::ScaleLeftOut { reading } => write!(
                 f,
                 "{reading} holds a scale measured on the film; the case has the spacing of the image"
@@ -65,7 +83,7 @@ impl std::fmt::Display for ExportRemark {
 }
 
 impl Store {
-    /// The case of a study: its finished readings, by posture, observer and repeat. The same store gives the same bytes.
+    /// The case of a study: its finished readings that are not withdrawn, by posture, observer and repeat. The same store gives the same bytes.
     ///
     /// A case file has one pair of iliac crests per film; it gets the mean of the pairs of all readings. Labels and notes stay
     /// in the store.
@@ -83,6 +101,10 @@ impl Store {
         for film in by_view.values() {
             let mut finished = Vec::new();
             for reading in readings.iter().filter(|reading| reading.film == film.id) {
+                if let Some(withdrawal) = reading.withdrawn.clone() {
+                    remarks.push(ExportRemark::Withdrawn { reading: reading.id, withdrawal });
+                    continue;
+                }
                 if reading.finished_at.is_none() {
                     remarks.push(ExportRemark::Unfinished { reading: reading.id });
                     continue;

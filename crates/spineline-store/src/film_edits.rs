@@ -65,7 +65,7 @@ impl Store {
     /// Changes a film's record, if it has the expected revision. While a plan runs, all its readings have the same film.
     ///
     /// # Errors
-    /// [`StoreError::FilmsFrozen`] until all planned readings are finished;
+    /// [`StoreError::PlanRuns`] until all planned readings are finished; [`StoreError::Archived`];
     /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
     /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::Case`] for a spacing where a case file
     /// cannot have the image's description.
@@ -78,9 +78,8 @@ impl Store {
     ) -> Result<Acknowledged, StoreError> {
         self.write(by, |ledger| {
             let now = films::film(ledger.transaction, film)?;
-            if !plan::is_open(ledger.transaction, &now.study)? {
-                return Err(StoreError::FilmsFrozen { study: now.study });
-            }
+            films::open_study(ledger.transaction, &now.study)?;
+            plan::need_open(ledger.transaction, &now.study)?;
             if now.revision != expected_revision {
                 let change = [edit.json().to_string()];
                 let object = film.to_string();

@@ -26,6 +26,18 @@ pub struct Study {
     pub label: Option<String>,
     /// Whether the films are synthetic.
     pub synthetic: bool,
+    /// Whether it is archived: nothing in it can be changed.
+    pub archived: bool,
+    /// Number of edits so far.
+    pub revision: u64,
+}
+
+impl Study {
+    /// A new study.
+    #[must_use]
+    pub fn new(id: Name, label: Option<String>, synthetic: bool) -> Self {
+        Self { id, label, synthetic, archived: false, revision: 0 }
+    }
 }
 
 /// What a person states about a film.
@@ -80,7 +92,7 @@ pub struct AddedFilm {
 }
 
 impl Store {
-    /// Adds a study.
+    /// Adds a new study.
     ///
     /// # Errors
     /// [`StoreError::Exists`], [`StoreError::TooLarge`] for its label.
@@ -116,7 +128,8 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::AlreadyKnown`] where a film of this study has the same bytes, in any view; [`StoreError::ViewTwice`] for a second
-    /// lateral film; [`StoreError::PlanGoverns`], [`StoreError::ImageNotAnObject`], [`StoreError::TooLarge`], [`StoreError::Unknown`].
+    /// lateral film; [`StoreError::PlanGoverns`], [`StoreError::Archived`], [`StoreError::ImageNotAnObject`], [`StoreError::TooLarge`],
+    /// [`StoreError::Unknown`].
     pub fn add_film(
         &mut self,
         study: &Name,
@@ -164,17 +177,20 @@ pub(crate) struct NewFilm<'a> {
 }
 
 pub(crate) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
-    let characters = study.label.as_ref().map_or(0, |label| label.chars().count());
-    limit("the label", characters, MAX_LABEL)?;
+    check_label(study.label.as_deref())?;
     let id = study.id.as_str();
     if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
         return Err(StoreError::Exists { object: format!("study/{id}") });
     }
     ledger.transaction.execute(
-        "INSERT INTO studies VALUES (?1, ?2, ?3)",
+        "INSERT INTO studies VALUES (?1, ?2, ?3, 0, 0)",
         params![id, study.label, study.synthetic],
     )?;
     ledger.seal("add", "studies", &id).map(drop)
+}
+
+pub(crate) fn check_label(label: Option<&str>) -> Result<(), StoreError> {
+    limit("the label (in characters)", label.map_or(0, |label| label.chars().count()), MAX_LABEL)
 }
 
 pub(crate) fn add_film(
@@ -190,7 +206,7 @@ pub(crate) fn add_film(
     limit("the image's description (in bytes)", image.len(), MAX_IMAGE_BYTES)?;
     let content = Hash::of(new.bytes);
     let transaction = ledger.transaction;
-    self::study(transaction, study)?;
+    open_study(transaction, study)?;
     if is_planned(transaction, study)? {
         return Err(StoreError::PlanGoverns { study: study.clone() });
     }
@@ -249,6 +265,8 @@ fn study_rows(connection: &Connection, id: Option<&Name>) -> Result<Vec<Study>, 
             id: Name::new(&row.get::<_, String>("id")?)?,
             label: row.get("label")?,
             synthetic: row.get("synthetic")?,
+            archived: row.get("archived")?,
+            revision: row.get::<_, i64>("revision")?.unsigned_abs(),
         })
     })
 }
@@ -256,6 +274,15 @@ fn study_rows(connection: &Connection, id: Option<&Name>) -> Result<Vec<Study>, 
 pub(crate) fn study(connection: &Connection, id: &Name) -> Result<Study, StoreError> {
     let unknown = || StoreError::Unknown { object: format!("study/{id}") };
     study_rows(connection, Some(id))?.pop().ok_or_else(unknown)
+}
+
+/// A study that can be changed.
+///
+/// # Errors
+/// [`StoreError::Archived`], [`StoreError::Unknown`].
+pub(crate) fn open_study(connection: &Connection, id: &Name) -> Result<Study, StoreError> {
+    let found = self::study(connection, id)?;
+    if found.archived { Err(StoreError::Archived { study: found.id }) } else { Ok(found) }
 }
 
 pub(crate) fn films(connection: &Connection, study: &Name) -> Result<Vec<FilmRecord>, StoreError> {

@@ -39,8 +39,8 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::Conflict`], and then every event is among [`Store::conflicts_of_reading`]; [`StoreError::NotYours`],
-    /// [`StoreError::Finished`], [`StoreError::BadEvent`], [`StoreError::TooLarge`], [`StoreError::Unknown`];
-    /// [`StoreError::NoEvent`] for no events.
+    /// [`StoreError::Finished`], [`StoreError::Withdrawn`], [`StoreError::Archived`], [`StoreError::BadEvent`],
+    /// [`StoreError::TooLarge`], [`StoreError::Unknown`]; [`StoreError::NoEvent`] for no events.
     pub fn record_all(
         &mut self,
         reading: ReadingId,
@@ -67,11 +67,11 @@ impl Store {
         })?
     }
 
-    /// Finishes a reading, which is then immutable.
+    /// Finishes a reading, which is then immutable. A correction replaces the reading that it corrects.
     ///
     /// # Errors
     /// [`StoreError::Incomplete`] where a vertebra lacks a corner; [`StoreError::Conflict`], [`StoreError::NotYours`],
-    /// [`StoreError::Finished`], [`StoreError::Unknown`].
+    /// [`StoreError::Finished`], [`StoreError::Withdrawn`], [`StoreError::Archived`], [`StoreError::Unknown`].
     pub fn finish_reading(
         &mut self,
         reading: ReadingId,
@@ -139,11 +139,16 @@ fn current(
     Ok(Ok(state))
 }
 
-/// A reading of the author, and its events.
+/// A reading of the author in a study that can be changed, and its events.
 fn own(ledger: &Ledger<'_>, reading: ReadingId) -> Result<(ReadingRecord, Vec<Event>), StoreError> {
     let record = readings::reading(ledger.transaction, reading)?;
     if record.observer != ledger.by.who {
         return Err(StoreError::NotYours { reading });
+    }
+    let film = films::film(ledger.transaction, record.film)?;
+    films::open_study(ledger.transaction, &film.study)?;
+    if record.withdrawn.is_some() {
+        return Err(StoreError::Withdrawn { reading });
     }
     let events = events(ledger.transaction, reading)?;
     Ok((record, events))

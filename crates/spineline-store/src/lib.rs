@@ -20,7 +20,7 @@
 //! let noon = Timestamp::from_unix_ms(1_760_000_000_000).ok_or("a time outside of the calendar")?;
 //! let by = Signature::new(Name::new("lead")?, noon);
 //! let mut store = Store::create(&path, &by)?;
-//! store.add_study(&Study { id: Name::new("S-017")?, label: None, synthetic: true }, &by)?;
+//! store.add_study(&Study::new(Name::new("S-017")?, None, true), &by)?;
 //! assert!(store.verify(None)?.is_clean());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -58,12 +58,14 @@ mod restore;
 mod schema;
 mod sessions;
 mod state;
+mod study_edits;
 mod thumbnails;
 mod unsaved;
 mod verify;
 mod visibility;
 mod washout;
 mod wire;
+mod withdrawals;
 
 #[cfg(test)]
 mod full_disk;
@@ -96,10 +98,12 @@ pub use readings::ReadingRecord;
 pub use restore::Restoration;
 pub use sessions::{Access, Session, SessionLimits};
 pub use state::{ReadingState, Scale, VertebraReading};
+pub use study_edits::StudyEdit;
 pub use thumbnails::Thumbnails;
 pub use verify::{Finding, Verification};
 pub use visibility::{ClosedReading, LastChange, SeenReading, Visibility};
 pub use wire::{OriginName, SideName, Wire};
+pub use withdrawals::{Withdrawal, WithdrawalCause};
 
 // The session of the crash tests is one file, which unit tests use too.
 #[cfg(test)]

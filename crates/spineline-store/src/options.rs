@@ -32,7 +32,7 @@ impl Store {
     /// Changes the model options of a study, if they have the expected revision; none resets them.
     ///
     /// # Errors
-    /// [`StoreError::Conflict`], and then the change was kept; [`StoreError::Unknown`].
+    /// [`StoreError::Conflict`], and then the change was kept; [`StoreError::Archived`], [`StoreError::Unknown`].
     pub fn set_study_options(
         &mut self,
         study: &Name,
@@ -41,7 +41,7 @@ impl Store {
         by: &Signature,
     ) -> Result<Acknowledged, StoreError> {
         self.write(by, |ledger| {
-            films::study(ledger.transaction, study)?;
+            films::open_study(ledger.transaction, study)?;
             let now = of_study(ledger.transaction, study)?;
             let json = serde_json::to_string(chosen).expect("names and values are texts");
             if now.revision != expected_revision {

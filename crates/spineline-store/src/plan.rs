@@ -123,7 +123,7 @@ impl Store {
     /// Returns the number of readings.
     ///
     /// # Errors
-    /// [`StoreError::BadPlan`], [`StoreError::Exists`] where the study has a plan, [`StoreError::Unknown`].
+    /// [`StoreError::BadPlan`], [`StoreError::Exists`] where the study has a plan, [`StoreError::Archived`], [`StoreError::Unknown`].
     pub fn reading_plan(
         &mut self,
         study: &Name,
@@ -135,7 +135,7 @@ impl Store {
         let observers: BTreeSet<&Name> = observers.iter().collect();
         self.write(by, |ledger| {
             let transaction = ledger.transaction;
-            films::study(transaction, study)?;
+            films::open_study(transaction, study)?;
             if films::is_planned(transaction, study)? {
                 return Err(StoreError::Exists { object: format!("the plan of study/{study}") });
             }
@@ -370,6 +370,18 @@ pub(crate) fn is_open(connection: &Connection, study: &Name) -> Result<bool, Sto
         .collect();
     let slots = slots_of(connection, study, None)?;
     Ok(slots.iter().all(|slot| finished.contains(&(slot.film, slot.repeat, &slot.observer))))
+}
+
+/// Refuses a change of a study that is blinded.
+///
+/// # Errors
+/// [`StoreError::PlanRuns`].
+pub(crate) fn need_open(connection: &Connection, study: &Name) -> Result<(), StoreError> {
+    if is_open(connection, study)? {
+        Ok(())
+    } else {
+        Err(StoreError::PlanRuns { study: study.clone() })
+    }
 }
 
 pub(crate) fn no_plan(study: &Name) -> StoreError {

@@ -1,6 +1,6 @@
 //! Readings: one per observer, film and repeat; begun, written, finished, and then immutable.
 
-use rusqlite::{Connection, Row, params};
+use rusqlite::{Connection, Row, ToSql, params};
 
 use crate::audit::{self, Ledger, next_id};
 use crate::connection::Store;
@@ -9,6 +9,7 @@ use crate::event::Corner;
 use crate::films;
 use crate::names::{FilmId, Name, ReadingId, Signature, Timestamp};
 use crate::state::ReadingState;
+use crate::withdrawals::{self, Withdrawal, WithdrawalCause};
 
 /// A reading without its landmarks.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,13 +28,32 @@ pub struct ReadingRecord {
     pub finished_at: Option<Timestamp>,
     /// For a finished reading, the latest time of work on it: the washout counts from here.
     pub rest_from: Option<Timestamp>,
+    /// The reading that it corrects, and replaces when it is finished.
+    pub corrects: Option<ReadingId>,
+    /// Why it no longer counts.
+    pub withdrawn: Option<Withdrawal>,
+}
+
+impl ReadingRecord {
+    /// Whether results and exports use it.
+    #[must_use]
+    pub fn counts(&self) -> bool {
+        self.finished_at.is_some() && self.withdrawn.is_none()
+    }
+
+    /// Whether landmarks can be placed in it.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.finished_at.is_none() && self.withdrawn.is_none()
+    }
 }
 
 impl Store {
     /// Begins a reading of a study without a plan. The observer is the author.
     ///
     /// # Errors
-    /// [`StoreError::PlanGoverns`], [`StoreError::Exists`], [`StoreError::Unknown`]; [`StoreError::BadPlan`] for repeat 0.
+    /// [`StoreError::PlanGoverns`], [`StoreError::Exists`], [`StoreError::Archived`], [`StoreError::Unknown`]; [`StoreError::BadPlan`] for
+    /// repeat 0.
     pub fn begin_reading(
         &mut self,
         film: FilmId,
@@ -83,16 +103,29 @@ pub(crate) fn begin(
     if let Some(reading) = known.first() {
         return Err(StoreError::Exists { object: reading.id.to_string() });
     }
+    films::open_study(transaction, &films::film(transaction, film)?.study)?;
+    insert(ledger, film, repeat, None)
+}
+
+/// A new reading of the author, or a correction of another one.
+pub(crate) fn insert(
+    ledger: &Ledger<'_>,
+    film: FilmId,
+    repeat: u32,
+    corrects: Option<ReadingId>,
+) -> Result<ReadingId, StoreError> {
+    let Ledger { transaction, by } = ledger;
     let id = next_id(transaction, "readings", "id")?;
+    let corrected = corrects.map(|reading| reading.0);
     transaction.execute(
-        "INSERT INTO readings VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL)",
-        params![id, film.0, who, repeat, ledger.by.at.unix_ms()],
+        "INSERT INTO readings VALUES (?1, ?2, ?3, ?4, ?5, NULL, NULL, ?6)",
+        params![id, film.0, by.who.as_str(), repeat, by.at.unix_ms(), corrected],
     )?;
-    ledger.seal("begin", "readings", &id)?;
+    ledger.seal(if corrects.is_some() { "correct" } else { "begin" }, "readings", &id)?;
     Ok(ReadingId(id))
 }
 
-/// Finishes a reading in this state; returns the number of its entry in the log.
+/// Finishes a reading in this state, which replaces the one that it corrects; returns the number of its entry in the log.
 pub(crate) fn finish(
     ledger: &Ledger<'_>,
     reading: ReadingId,
@@ -109,14 +142,20 @@ pub(crate) fn finish(
          (SELECT coalesce(max(time_ms), ?1) FROM events WHERE reading = ?2)) WHERE id = ?2",
         params![ledger.by.at.unix_ms(), reading.0],
     )?;
-    ledger.seal("finish", "readings", &reading.0)
+    let sequence = ledger.seal("finish", "readings", &reading.0)?;
+    if let Some(corrected) = self::reading(ledger.transaction, reading)?.corrects
+        && self::reading(ledger.transaction, corrected)?.withdrawn.is_none()
+    {
+        withdrawals::insert(ledger, corrected, &WithdrawalCause::CorrectedBy(reading))?;
+    }
+    Ok(sequence)
 }
 
 pub(crate) fn reading(
     connection: &Connection,
     reading: ReadingId,
 ) -> Result<ReadingRecord, StoreError> {
-    let mut found = audit::load(connection, "readings", "WHERE id = ?1", [reading.0], read)?;
+    let mut found = records(connection, "id = ?1", &reading.0)?;
     found.pop().ok_or_else(|| StoreError::Unknown { object: reading.to_string() })
 }
 
@@ -124,11 +163,25 @@ pub(crate) fn of_study(
     connection: &Connection,
     study: &Name,
 ) -> Result<Vec<ReadingRecord>, StoreError> {
-    let condition = "WHERE film IN (SELECT id FROM films WHERE study = ?1)
-                     ORDER BY film, observer, repeat";
-    audit::load(connection, "readings", condition, [study.as_str()], read)
+    records(connection, "film IN (SELECT id FROM films WHERE study = ?1)", &study.as_str())
 }
 
+/// Readings with their withdrawals, by film, observer and repeat.
+fn records(
+    connection: &Connection,
+    condition: &str,
+    key: &dyn ToSql,
+) -> Result<Vec<ReadingRecord>, StoreError> {
+    let ordered = format!("WHERE {condition} ORDER BY film, observer, repeat, id");
+    let mut found = audit::load(connection, "readings", &ordered, [key], read)?;
+    let mut withdrawn = withdrawals::of_readings(connection, condition, key)?;
+    for reading in &mut found {
+        reading.withdrawn = withdrawn.remove(&reading.id);
+    }
+    Ok(found)
+}
+
+/// A row, without its withdrawal.
 fn read(row: &Row<'_>) -> Result<ReadingRecord, StoreError> {
     let id = ReadingId(row.get("id")?);
     let damaged = || StoreError::damaged(id.to_string());
@@ -142,6 +195,8 @@ fn read(row: &Row<'_>) -> Result<ReadingRecord, StoreError> {
         begun_at: time(row.get("begun_ms")?)?,
         finished_at: maybe(row.get("finished_ms")?)?,
         rest_from: maybe(row.get("rest_from_ms")?)?,
+        corrects: row.get::<_, Option<i64>>("corrects")?.map(ReadingId),
+        withdrawn: None,
     })
 }
 

@@ -148,7 +148,7 @@ fn a_missing_a_damaged_and_an_empty_store_are_restored() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     let mut store = session::create(&at("source"));
-    let study = Study { id: session::name("S-9"), label: None, synthetic: true };
+    let study = Study::new(session::name("S-9"), None, true);
     store.add_study(&study, &session::by("lead", 9)).expect("a study");
     assert!(store.backup_to(&at("backup")).expect("a backup").is_clean());
     let mut damaged = fs::read(at("backup")).expect("bytes");

@@ -26,13 +26,15 @@ CREATE TABLE contents (
     bytes BLOB NOT NULL
 ) STRICT;
 
+-- Edits of a study and of a film are numbered, so that a stale one is noticed. An archived study is read-only.
 CREATE TABLE studies (
     id TEXT PRIMARY KEY,
     label TEXT,
-    synthetic INTEGER NOT NULL CHECK (synthetic IN (0, 1))
+    synthetic INTEGER NOT NULL CHECK (synthetic IN (0, 1)),
+    archived INTEGER NOT NULL CHECK (archived IN (0, 1)),
+    revision INTEGER NOT NULL
 ) STRICT;
 
--- Edits of a film are numbered, so that a stale one is noticed.
 CREATE TABLE films (
     id INTEGER PRIMARY KEY,
     study TEXT NOT NULL REFERENCES studies (id),
@@ -57,7 +59,8 @@ CREATE TABLE thumbnails (
 -- Readings and their events.
 
 -- `rest_from_ms` is the latest time at which a finished reading was worked on: a washout begins here, and not at
--- `finished_ms`, so that a clock that jumped back in mid-reading releases nothing early.
+-- `finished_ms`, so that a clock that jumped back in mid-reading releases nothing early. A correction is a reading that
+-- begins with the events of the reading `corrects`, and has its observer and repeat.
 CREATE TABLE readings (
     id INTEGER PRIMARY KEY,
     film INTEGER NOT NULL REFERENCES films (id),
@@ -66,7 +69,18 @@ CREATE TABLE readings (
     begun_ms INTEGER NOT NULL,
     finished_ms INTEGER,
     rest_from_ms INTEGER,
-    UNIQUE (film, observer, repeat)
+    corrects INTEGER REFERENCES readings (id)
+) STRICT;
+CREATE UNIQUE INDEX one_reading_of_a_repeat ON readings (film, observer, repeat) WHERE corrects IS NULL;
+
+-- Readings that no longer count, for the reason of a person or because a correction replaces them.
+CREATE TABLE withdrawals (
+    reading INTEGER PRIMARY KEY REFERENCES readings (id),
+    who TEXT NOT NULL,
+    time_ms INTEGER NOT NULL,
+    reason TEXT,
+    corrected_by INTEGER REFERENCES readings (id),
+    CHECK ((reason IS NULL) <> (corrected_by IS NULL))
 ) STRICT;
 
 CREATE TABLE events (
@@ -179,8 +193,15 @@ BEGIN SELECT RAISE (ABORT, 'a finished reading is immutable'); END;
 CREATE TRIGGER finished_readings_get_no_events BEFORE INSERT ON events
 WHEN (SELECT finished_ms FROM readings WHERE id = NEW.reading) IS NOT NULL
 BEGIN SELECT RAISE (ABORT, 'a finished reading is immutable'); END;
+CREATE TRIGGER withdrawn_readings_get_no_events BEFORE INSERT ON events
+WHEN EXISTS (SELECT 1 FROM withdrawals WHERE reading = NEW.reading)
+BEGIN SELECT RAISE (ABORT, 'a withdrawn reading is immutable'); END;
 CREATE TRIGGER readings_are_never_deleted BEFORE DELETE ON readings
 BEGIN SELECT RAISE (ABORT, 'readings are never deleted'); END;
+CREATE TRIGGER withdrawals_are_never_edited BEFORE UPDATE ON withdrawals
+BEGIN SELECT RAISE (ABORT, 'withdrawals are append-only'); END;
+CREATE TRIGGER withdrawals_are_never_deleted BEFORE DELETE ON withdrawals
+BEGIN SELECT RAISE (ABORT, 'withdrawals are append-only'); END;
 CREATE TRIGGER conflicts_are_never_edited BEFORE UPDATE ON conflicts
 BEGIN SELECT RAISE (ABORT, 'conflicts are append-only'); END;
 CREATE TRIGGER conflicts_are_never_deleted BEFORE DELETE ON conflicts

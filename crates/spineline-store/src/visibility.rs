@@ -142,12 +142,14 @@ pub struct LastChange {
 const RESULT_OBJECTS: &str = "SELECT 'study/' || ?1
     UNION ALL SELECT 'options/' || ?1
     UNION ALL SELECT 'film/' || id FROM own_films
-    UNION ALL SELECT 'reading/' || id FROM own_readings";
+    UNION ALL SELECT 'reading/' || id FROM own_readings
+    UNION ALL SELECT 'withdrawal/' || id FROM own_readings";
 /// The other objects of a study: its plan, the last click of every reading, and lost changes.
 const OTHER_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
     UNION ALL SELECT 'event/' || (SELECT sequence FROM events
         WHERE reading = own_readings.id ORDER BY revision DESC LIMIT 1) FROM own_readings
-    UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts WHERE object = 'options/' || ?1)
+    UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
+        WHERE object IN ('options/' || ?1, 'study/' || ?1))
     UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
         WHERE object = 'film/' || own_films.id) FROM own_films
     UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts

@@ -16,7 +16,7 @@ impl Store {
     pub fn release_washout(&mut self, study: &Name, by: &Signature) -> Result<usize, StoreError> {
         self.write(by, |ledger| {
             let transaction = ledger.transaction;
-            films::study(transaction, study)?;
+            films::open_study(transaction, study)?;
             let plan = plan::plan_of(transaction, study)?.ok_or_else(|| plan::no_plan(study))?;
             let mut ahead = 0;
             for reading in readings::of_study(transaction, study)? {

@@ -127,7 +127,7 @@ fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_
     let mut writer = Store::open(&at("s.db")).expect("a store");
     for id in ["T-1", "T-2"] {
         let id = Name::new(id).expect("a name");
-        writer.add_study(&Study { id, label: None, synthetic: true }, &by).expect("a study");
+        writer.add_study(&Study::new(id, None, true), &by).expect("a study");
     }
     let held = refused(here.path(), &["study", "restore", "copy.db", "s.db"], 3);
     assert!(held.contains("another program has the store open"), "{held}");

@@ -40,6 +40,10 @@ pub struct ReadingView {
     pub mine: bool,
     /// Whether it is finished and can no longer be changed.
     pub finished: bool,
+    /// Why it no longer counts; it can no longer be changed then.
+    pub withdrawn: Option<WithdrawalView>,
+    /// The reading that it corrects, and replaces when it is finished.
+    pub corrects: Option<i64>,
     /// Whether films are synthetic.
     pub synthetic: bool,
     /// The picture.
@@ -229,6 +233,25 @@ pub struct FinishedReading {
 pub struct Finish {
     /// Revision that the requester has seen.
     pub expected_revision: u64,
+}
+
+/// A withdrawal of a reading.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewWithdrawal {
+    /// Why, such as `T6 was placed on T7`.
+    pub reason: String,
+}
+
+/// Why a reading no longer counts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct WithdrawalView {
+    /// Person who withdrew or corrected it.
+    pub who: String,
+    /// Time in ms since 1970-01-01 UTC.
+    pub at_ms: i64,
+    /// Why; absent where a correction replaces the reading.
+    pub reason: Option<String>,
 }
 
 /// Events to be evaluated without recording, for a drag.

@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::{
     CalibratorName, FilmViewName, ImageSideName, Notice, PostureName, RoleName, SideName,
-    SpacingPlaneName,
+    SpacingPlaneName, WithdrawalView,
 };
 
 /// Status of a study.
@@ -39,6 +39,10 @@ pub struct StudySummary {
     pub label: Option<String>,
     /// Whether the films are synthetic.
     pub synthetic: bool,
+    /// Whether the study is archived: it can be read and not changed.
+    pub archived: bool,
+    /// Number of edits of its label and archiving so far, to be sent with the next one.
+    pub revision: u64,
     /// Permission of the requester.
     pub role: RoleName,
     /// Status.
@@ -119,6 +123,10 @@ pub struct ReadingSummary {
     pub mine: bool,
     /// Whether it is finished and can no longer be changed.
     pub finished: bool,
+    /// Why it no longer counts.
+    pub withdrawn: Option<WithdrawalView>,
+    /// The reading that it corrects.
+    pub corrects: Option<i64>,
     /// Vertebrae of L4 to T2 with four corners.
     pub complete_levels: u32,
 }
@@ -257,7 +265,18 @@ pub struct NewStudy {
     pub accept_doubtful_films: bool,
 }
 
-/// A film of a new study with confirmed values.
+/// Uploaded films that are added to a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MoreFilms {
+    /// Films of postures that the study does not have yet.
+    pub films: Vec<NewFilm>,
+    /// Accept films whose files state another part of the body, or two patients.
+    #[serde(default)]
+    pub accept_doubtful_films: bool,
+}
+
+/// An uploaded film with confirmed values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewFilm {
@@ -317,6 +336,32 @@ pub struct NamedUpload {
     pub name: String,
     /// The upload.
     pub upload: String,
+}
+
+/// A change of a study's record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StudyChange {
+    /// Revision that the requester has seen.
+    pub expected_revision: u64,
+    /// The change.
+    pub edit: StudyEditName,
+}
+
+/// Kinds of change of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum StudyEditName {
+    /// Rename it: another label. Its identifier stays.
+    Label {
+        /// The label; null for none.
+        label: Option<String>,
+    },
+    /// Archive it, or restore it.
+    Archived {
+        /// Whether it is archived.
+        archived: bool,
+    },
 }
 
 /// A change of a film's record.

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use spineline::number::fixed;
-use spineline_store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
+use spineline_store::{FilmRecord, LostChange, Name, ReadingId, Store, StoreError};
 
 use crate::api::LostChangeView;
 
@@ -25,6 +25,10 @@ pub fn of_film(store: &Store, film: &FilmRecord) -> Result<Vec<LostChangeView>, 
         LostChangeView { text: format!("{} film: {}", film.view, lost.text), ..lost }
     };
     Ok(store.conflicts_of_film(film.id)?.iter().map(named).collect())
+}
+
+pub fn of_study(store: &Store, study: &Name) -> Result<Vec<LostChangeView>, StoreError> {
+    Ok(store.conflicts_of_study(study)?.iter().map(view).collect())
 }
 
 fn view(lost: &LostChange) -> LostChangeView {
@@ -69,6 +73,12 @@ fn words(change: &Value) -> String {
         Some(kind @ ("undo" | "redo" | "finish")) => kind.to_owned(),
         _ if !change["posture"].is_null() => format!("posture to {}", word("posture")),
         _ if !change["inverted"].is_null() => inverted(&change["inverted"]),
+        _ if change["archived"] == true => "study archived".to_owned(),
+        _ if change["archived"] == false => "study restored".to_owned(),
+        _ if change.get("label").is_some() => match &change["label"] {
+            Value::String(label) => format!("label “{label}”"),
+            _ => "label removed".to_owned(),
+        },
         _ if change["checked"] == true => "compared with the patient's records".to_owned(),
         _ if change["checked"] == false => "not compared with the patient's records".to_owned(),
         _ => {

@@ -1,9 +1,10 @@
-//! Readings: begin, record, undo, finish.
+//! Readings: begin, record, undo, finish, withdraw, correct.
 
 mod detection;
 mod lost;
 mod markable;
 mod view;
+mod withdrawals;
 
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -21,11 +22,12 @@ use crate::problem::{Answer, Failure};
 use crate::state::AppState;
 use crate::user::User;
 
-pub use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
+pub use lost::{of_film as lost_of_film, of_reading as lost_of_reading, of_study as lost_of_study};
 pub use markable::may_mark;
 use markable::{Markable, markable};
 pub use view::view;
 use view::view_after_loss;
+pub use withdrawals::withdrawal_view;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -33,6 +35,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(begin_planned))
         .routes(routes!(reading))
         .routes(routes!(finish))
+        .merge(withdrawals::routes())
         .routes(routes!(detection::detection))
 }
 

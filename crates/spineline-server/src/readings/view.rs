@@ -9,6 +9,7 @@ use spineline_marking::{NextLandmark, PartialLandmarks, PartialReading, Proposed
 use spineline_store::{Corner, Event, ReadingState, SeenReading, Store};
 
 use super::lost;
+use super::withdrawals::withdrawal_view;
 use crate::api::{
     AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, Proposal as ProposalView,
     ReadingImage, ReadingView, Severity, SidesView, VertebraView, Wire,
@@ -63,6 +64,8 @@ fn view_of(
         repeat: (!is_blinded).then_some(record.repeat),
         mine,
         finished: state.finished,
+        withdrawn: record.withdrawn.as_ref().map(withdrawal_view),
+        corrects: record.corrects.map(|corrected| corrected.0),
         synthetic: seen.study.synthetic,
         image: image_of(&image, is_lateral, state.inverted.unwrap_or(film.inverted)),
         revision: state.revision,

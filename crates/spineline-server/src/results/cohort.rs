@@ -38,13 +38,14 @@ struct Member {
     result: Option<Arc<StudyResult>>,
 }
 
-/// All studies that the requester may see.
+/// All studies that the requester may see, without the archived ones.
 #[utoipa::path(get, path = "/api/cohort", responses((status = 200, body = CohortView)))]
 pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<CohortView>> {
     let studies = prepared(&state, &user).await?;
     let shared = state.clone();
     let members = state.store(move |store| {
-        let members = studies.into_iter().map(|(study, _)| {
+        let current = studies.into_iter().filter(|(study, _)| !study.archived);
+        let members = current.map(|(study, _)| {
             let cache = shared.results();
             let hidden = !sees_results(store, &user, &study.id)?;
             let result = if hidden { None } else { known(cache, store, &study.id)?.ok() };

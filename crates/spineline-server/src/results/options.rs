@@ -93,7 +93,7 @@ fn view(store: &Store, user: &User, study: &Name) -> Answer<OptionsView> {
     let StudyOptions { chosen, revision } = store.study_options(study)?;
     Ok(OptionsView {
         revision,
-        may_change: user.on_study(store, study)? >= Role::Editor,
+        may_change: user.on_study(store, study)? >= Role::Editor && !store.study(study)?.archived,
         options: study_options().map(|option| option_view(option, &chosen)).collect(),
         changed_text: Some(chosen.words()).filter(|words| !words.is_empty()),
     })

@@ -17,6 +17,7 @@ pub fn detail(state: &AppState, store: &Store, user: &User, study: &Name) -> Ans
     let visibility = store.observer(&user.name).visibility(study)?;
     let mut conflicts = Vec::new();
     if visibility != Visibility::Reader {
+        conflicts.extend(readings::lost_of_study(store, study)?);
         for film in store.films(study)? {
             conflicts.extend(readings::lost_of_film(store, &film)?);
         }

@@ -1,4 +1,4 @@
-//! New studies: of uploaded films, or of a case file with its films.
+//! New studies, of uploaded films or of a case file with its films, and more films of a study.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -9,13 +9,17 @@ use spineline::anatomy::FilmView;
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline_files::{FilmSource, image_value, sha256_hex};
 use spineline_films::{DeidOptions, FilmKind, FilmLimits, Stated, deidentify, film_doubts};
-use spineline_store::{CaseError, Name, NewCase, Role, Study};
+use spineline_store::{
+    AddedCase, CaseError, Name, NewCase, Role, Signature, Store, StoreError, Study,
+};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::detail::{detail, of_study};
-use crate::api::{CaseImport, NewFilm, NewStudy, Problem, ScaleChoice, StudyDetail};
-use crate::extract::Json;
+use crate::access::study_name;
+use crate::api::{CaseImport, MoreFilms, NewFilm, NewStudy, Problem, ScaleChoice, StudyDetail};
+use crate::decoded::picture_sha256;
+use crate::extract::{Json, Path};
 use crate::film_cache::Upload;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
@@ -23,7 +27,10 @@ use crate::state::AppState;
 use crate::user::User;
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().routes(routes!(new_study)).routes(routes!(import_case))
+    OpenApiRouter::new()
+        .routes(routes!(new_study))
+        .routes(routes!(more_films))
+        .routes(routes!(import_case))
 }
 
 /// Creates a study from uploaded films, which are de-identified.
@@ -38,21 +45,80 @@ async fn new_study(
 ) -> Answer<Json<StudyDetail>> {
     user.need(Role::Editor)?;
     let id = Name::new(&new.id)?;
+    let films = uploaded(&state, &user, &new.films)?;
+    let synthetic = films.iter().all(|(_, upload)| upload.is_synthetic);
+    let study = Study::new(id, new.label, synthetic);
+    let case = prepared(study, films, Pictures::default(), new.accept_doubtful_films).await?;
+    let used = new.films.into_iter().map(|film| film.upload).collect();
+    add(&state, user, case, used, Store::add_own_case).await
+}
+
+/// Adds uploaded films to a study, which are de-identified.
+#[utoipa::path(post, path = "/api/studies/{study}/films", params(("study" = String, Path)), request_body = MoreFilms,
+    responses((status = 200, body = StudyDetail), (status = 401, body = Problem),
+        (status = 403, body = Problem), (status = 404, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+async fn more_films(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+    Json(more): Json<MoreFilms>,
+) -> Answer<Json<StudyDetail>> {
+    let (id, asker) = (study_name(&study)?, user.clone());
+    let known = state.ask(move |store| {
+        asker.need_on_study(store, &id, Role::Editor)?;
+        let study = store.study(&id)?;
+        if study.archived {
+            return Err(StoreError::Archived { study: id }.into());
+        }
+        // A refusal of a film would reveal the films of the plan.
+        if store.has_plan(&id)? {
+            return Err(StoreError::PlanGoverns { study: id }.into());
+        }
+        Ok((store.films(&id)?, study))
+    });
+    let (known, study) = known.await?;
+    let films = uploaded(&state, &user, &more.films)?;
+    if !study.synthetic && films.iter().any(|(_, upload)| upload.is_synthetic) {
+        let text = format!("the films of {} are not synthetic, and a new one is", study.id);
+        return Err(refused(&text).help("make a new study of the synthetic films"));
+    }
+    let mut pictures = Pictures::default();
+    for film in known {
+        pictures.0.insert(picture_sha256(&state, &film.content).await?, film.view);
+    }
+    let case = prepared(study, films, pictures, more.accept_doubtful_films).await?;
+    let used = more.films.into_iter().map(|film| film.upload).collect();
+    add(&state, user, case, used, Store::add_films).await
+}
+
+/// The films with their uploads.
+fn uploaded(
+    state: &AppState,
+    user: &User,
+    films: &[NewFilm],
+) -> Answer<Vec<(NewFilm, Arc<Upload>)>> {
     let now = state.now();
-    let uploads = new
-        .films
+    let uploads = films
         .iter()
         .map(|film| Ok((film.clone(), state.films().uploads.get(&user.name, &film.upload, now)?)));
-    let films = uploads.collect::<Answer<Vec<_>>>()?;
-    check(&films)?;
-    if !new.accept_doubtful_films {
+    uploads.collect()
+}
+
+/// The films of a study, checked beside its present films and de-identified.
+async fn prepared(
+    study: Study,
+    films: Vec<(NewFilm, Arc<Upload>)>,
+    pictures: Pictures,
+    accept_doubtful_films: bool,
+) -> Answer<NewCase> {
+    check(&films, pictures)?;
+    if !accept_doubtful_films {
         let stated = |(film, upload): &(NewFilm, Arc<Upload>)| {
             (format!("{} film", film.posture.0), upload.stated.clone())
         };
         check_doubts(&films.iter().map(stated).collect::<Vec<_>>())?;
     }
-    let synthetic = films.iter().all(|(_, upload)| upload.is_synthetic);
-    let study = Study { id, label: new.label, synthetic };
     let prepared = computed(move || {
         let salt = salt()?;
         let mut case = NewCase::of(study);
@@ -63,11 +129,9 @@ async fn new_study(
                 case = case.simultaneous(film.simultaneous);
             }
         }
-        Ok::<_, Failure>(case)
+        Ok(case)
     });
-    let case = prepared.await??;
-    let used = new.films.into_iter().map(|film| film.upload).collect();
-    add(&state, user, case, used).await
+    prepared.await?
 }
 
 /// Creates a study from a case file with its readings and films.
@@ -108,7 +172,7 @@ async fn import_case(
         case.rewritten(|bytes| clean(&id, bytes, salt))
     });
     let case = read.await??;
-    add(&state, user, case, used).await
+    add(&state, user, case, used, Store::add_own_case).await
 }
 
 async fn add(
@@ -116,10 +180,11 @@ async fn add(
     user: User,
     case: NewCase,
     used: Vec<String>,
+    keep: fn(&mut Store, &NewCase, &Signature) -> Result<AddedCase, StoreError>,
 ) -> Answer<Json<StudyDetail>> {
     let (asker, now) = (state.clone(), state.now());
     let detail = state.ask(move |store| {
-        let added = store.add_own_case(&case, &user.sign(now))?;
+        let added = keep(store, &case, &user.sign(now))?;
         asker.films().uploads.forget(used.iter().map(String::as_str));
         asker.changes().send(&added.study, of_study(&user));
         detail(&asker, store, &user, &added.study)
@@ -127,12 +192,12 @@ async fn add(
     detail.await.map(Json)
 }
 
-/// Checks before any film is processed.
-fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
+/// Checks before any film is processed, beside the pictures that the study has already.
+fn check(films: &[(NewFilm, Arc<Upload>)], mut pictures: Pictures) -> Answer<()> {
     if films.is_empty() {
-        return Err(refused("a study needs at least one film"));
+        return Err(refused("the request has no film").help("choose at least one film"));
     }
-    let (mut views, mut pictures) = (BTreeSet::new(), Pictures::default());
+    let mut views: BTreeSet<FilmView> = pictures.0.values().copied().collect();
     for (film, upload) in films {
         let view = film.posture.0;
         check_view(view, upload)?;
@@ -154,7 +219,7 @@ fn check_view(view: FilmView, upload: &Upload) -> Answer<()> {
     Ok(())
 }
 
-/// The pictures of a study, each for one posture or the lateral one.
+/// The pictures of a study by SHA-256, each for one posture or the lateral one.
 #[derive(Default)]
 struct Pictures(BTreeMap<String, FilmView>);
 

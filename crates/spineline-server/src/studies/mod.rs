@@ -1,4 +1,4 @@
-//! Studies: list, create, read, export.
+//! Studies: list, create, read, edit, plan, export.
 
 mod detail;
 mod make;
@@ -7,12 +7,14 @@ mod summary;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
-use spineline_store::{Access, Account, Name, PlanDesign, Role, Store, Visibility, system_random};
+use spineline_store::{
+    Access, Account, Name, PlanDesign, Role, Store, StudyEdit, Visibility, system_random,
+};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::access::{self, study_name};
-use crate::api::{NewPlan, Problem, StudyDetail, StudySummary};
+use crate::api::{NewPlan, Problem, StudyChange, StudyDetail, StudyEditName, StudySummary};
 use crate::attachment::attachment;
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
@@ -26,6 +28,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
         .routes(routes!(list))
         .routes(routes!(study))
+        .routes(routes!(edit))
         .routes(routes!(plan))
         .routes(routes!(case_file))
         .merge(make::routes())
@@ -54,6 +57,36 @@ async fn study(
     let (study, asker) = (study_name(&study)?, state.clone());
     access::prepare(&state, &user, &study).await?;
     state.ask(move |store| detail(&asker, store, &user, &study)).await.map(Json)
+}
+
+/// Renames, archives or restores a study. While its plan runs, an admin may.
+#[utoipa::path(post, path = "/api/studies/{study}/edits", params(("study" = String, Path)), request_body = StudyChange,
+    responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 413, body = Problem)))]
+async fn edit(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+    Json(change): Json<StudyChange>,
+) -> Answer<Json<StudyDetail>> {
+    let (study, by) = (study_name(&study)?, user.sign(state.now()));
+    let asker = state.clone();
+    let detail = state.ask(move |store| {
+        user.on_study(store, &study)?;
+        let is_open = store.observer(&user.name).visibility(&study)? == Visibility::Open;
+        user.need_on_study(store, &study, if is_open { Role::Editor } else { Role::Admin })?;
+        let edit = match change.edit {
+            StudyEditName::Label { label } => StudyEdit::Label(label),
+            StudyEditName::Archived { archived } => StudyEdit::Archived(archived),
+        };
+        let edited = store.edit_study(&study, &edit, change.expected_revision, &by);
+        // A refused edit is reported too, because it is kept.
+        asker.changes().send(&study, of_study(&user));
+        edited?;
+        detail(&asker, store, &user, &study)
+    });
+    detail.await.map(Json)
 }
 
 /// Plans blinded readings. With accounts, every observer needs one that may edit the study.

@@ -7,6 +7,7 @@ use spineline_store::{FilmId, FilmRecord, Role, Store, Study, Visibility};
 use crate::api::{FilmSummary, ReadingSummary, StudyStatus, StudySummary, Wire};
 use crate::overview_cache::Overview;
 use crate::problem::Answer;
+use crate::readings::withdrawal_view;
 use crate::state::AppState;
 use crate::user::User;
 use crate::{results, words};
@@ -41,6 +42,8 @@ pub fn study_summary(
         id: study.id.to_string(),
         label: study.label.clone().filter(|_| visibility != Visibility::Reader),
         synthetic: study.synthetic,
+        archived: study.archived,
+        revision: study.revision,
         role: Wire(role),
         status,
         status_text,
@@ -85,6 +88,8 @@ fn summary_of(
             repeat: reading.repeat,
             mine: reading.observer == user.name,
             finished: reading.finished_at.is_some(),
+            withdrawn: reading.withdrawn.as_ref().map(withdrawal_view),
+            corrects: reading.corrects.map(|corrected| corrected.0),
             complete_levels: overview.complete.get(&reading.id).copied().unwrap_or(0),
         });
     FilmSummary {

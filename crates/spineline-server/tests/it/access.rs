@@ -63,7 +63,7 @@ fn the_role_in_a_study_is_the_lower_of_account_and_grant() {
 fn the_creator_of_a_study_may_edit_it() {
     let app = App::with_accounts();
     let mut store = Store::open(&app.store_path()).expect("a store");
-    let study = Study { id: name("S-3"), label: None, synthetic: true };
+    let study = Study::new(name("S-3"), None, true);
     store.add_own_case(&NewCase::of(study.clone()), &by("ungranted")).expect("a study");
     let maker = User { name: name("ungranted"), role: Role::Editor };
     assert_eq!(maker.on_study(&store, &study.id), Ok(Role::Editor));

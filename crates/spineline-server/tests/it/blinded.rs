@@ -20,7 +20,7 @@ fn app() -> App {
             let password = PasswordHash::new(PASSWORD, &account.name).expect("a password");
             store.add_account(&account, &password, &by("lead")).expect("an account");
         }
-        let study = Study { id: name("B-1"), label: Some(LABEL.to_owned()), synthetic: true };
+        let study = Study::new(name("B-1"), Some(LABEL.to_owned()), true);
         store.add_study(&study, &by("lead")).expect("a study");
         let image = json!({
             "columns": 1000, "rows": 2500, "column_spacing_mm": 0.2, "row_spacing_mm": 0.2,
@@ -234,7 +234,7 @@ fn films_do_not_change_while_a_plan_runs() {
     for one in &edits {
         let refused = edit(one);
         assert_eq!(refused.status, StatusCode::CONFLICT, "{one}: {}", refused.text());
-        assert_eq!(refused.code(), "films_frozen");
+        assert_eq!(refused.code(), "plan_runs");
     }
     for browser in [&anna, &anna, &ben, &ben] {
         read(browser);

@@ -66,7 +66,7 @@ impl App {
                 store.add_account(&account, &password, &by("lead")).expect("an account");
             }
             for study in ["S-1", "S-2"] {
-                let record = Study { id: name(study), label: None, synthetic: true };
+                let record = Study::new(name(study), None, true);
                 store.add_study(&record, &by("lead")).expect("a study");
                 let film = store
                     .add_film(&record.id, Posture::Erect, study.as_bytes(), &json!({}), &by("lead"))

@@ -28,7 +28,7 @@ pub fn add_unread_study(app: &App) {
     let mut store = spineline_store::Store::open(&app.store_path()).expect("the store");
     let by = crate::browser::by("Ann");
     let study = crate::browser::name("blind");
-    let record = spineline_store::Study { id: study.clone(), label: None, synthetic: true };
+    let record = spineline_store::Study::new(study.clone(), None, true);
     store.add_study(&record, &by).expect("a study");
     for film in store.films(&crate::browser::name("demo-rod-01")).expect("films") {
         let bytes = store.content(&film.content).expect("bytes");
@@ -213,7 +213,7 @@ fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
 }
 
 /// A DICOM film of the demonstration.
-fn demo_film(app: &App, number: usize) -> Vec<u8> {
+pub fn demo_film(app: &App, number: usize) -> Vec<u8> {
     let store = spineline_store::Store::open(&app.store_path()).expect("the store");
     let film = store.films(&crate::browser::name("demo-rod-01")).expect("films").remove(number);
     store.content(&film.content).expect("bytes")

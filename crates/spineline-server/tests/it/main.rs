@@ -30,5 +30,6 @@ mod routes;
 mod scales;
 mod sessions;
 mod streams;
+mod study_edits;
 #[path = "../../../spineline-cli/tests/it/unpacked.rs"]
 mod unpacked;

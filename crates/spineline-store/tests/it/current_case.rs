@@ -101,7 +101,7 @@ const RIGHT: [[f64; 2]; 2] = [[760.2, 2304.4], [759.1, 2303.3]];
 /// A study with every kind of event, and the open reading of its left film.
 fn study(store: &mut Store) -> ReadingId {
     let lead = by("lead", 0);
-    let study = Study { id: name(STUDY), label: None, synthetic: true };
+    let study = Study::new(name(STUDY), None, true);
     store.add_study(&study, &lead).expect("a study");
     for (seed, (posture, image)) in (1..).zip(images()) {
         store.add_film(&study.id, posture, &film_bytes(seed), &image, &lead).expect("a film");
@@ -226,7 +226,7 @@ fn an_image_invalid_in_a_case_file_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let (lead, id) = (by("lead", 0), name(STUDY));
-    store.add_study(&Study { id: id.clone(), label: None, synthetic: true }, &lead).expect("new");
+    store.add_study(&Study::new(id.clone(), None, true), &lead).expect("new");
     let image = json!({
         "columns": 10, "rows": 10, "column_spacing_mm": 0.2, "patient_left": "image_left",
     });
@@ -243,7 +243,7 @@ fn an_incomplete_film_is_used_once_its_reading_is_finished() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let (lead, id) = (by("lead", 0), name(STUDY));
-    store.add_study(&Study { id: id.clone(), label: None, synthetic: true }, &lead).expect("new");
+    store.add_study(&Study::new(id.clone(), None, true), &lead).expect("new");
     let (posture, image) = images().into_iter().next().expect("a picture");
     store.add_film(&id, posture, &film_bytes(1), &image, &lead).expect("a film");
     // T2 and T3 lie behind the shoulders, and T8 is hidden.

@@ -47,8 +47,7 @@ fn a_log_of_another_store_destroys_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
     let mut other = Store::create(&at("other"), &by("lead", 1)).expect("another store");
-    let study =
-        |number: usize| Study { id: name(&format!("T-{number}")), label: None, synthetic: true };
+    let study = |number: usize| Study::new(name(&format!("T-{number}")), None, true);
     for steps in [0, 1, 4, STEPS] {
         let mut store = create(&at("store"));
         taken(&mut store, 0..steps);
@@ -222,7 +221,7 @@ fn a_store_that_two_versions_were_mixed_into_is_not_opened_for_writing() {
     taken(&mut store, 0..STEPS);
     assert!(store.backup_to(&at("backup")).expect("a backup").is_clean());
     for number in 0..400 {
-        let study = Study { id: name(&format!("T-{number}")), label: None, synthetic: true };
+        let study = Study::new(name(&format!("T-{number}")), None, true);
         store.add_study(&study, &by("lead", 500)).expect("a study");
     }
     killed(&at("store"), &at("mixed"));

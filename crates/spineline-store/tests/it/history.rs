@@ -171,12 +171,13 @@ fn edited_removed_and_inserted_rows_are_detected_in_every_table() {
     assert_eq!(found, [Finding::RowChanged { object: object("event/1") }]);
     let found = findings_after("DELETE FROM events WHERE sequence = 23");
     assert_eq!(found, [Finding::RowMissing { object: object("event/23") }]);
-    let found = findings_after("INSERT INTO studies VALUES ('S-2', NULL, 0)");
+    let found = findings_after("INSERT INTO studies VALUES ('S-2', NULL, 0, 0, 0)");
     assert_eq!(found, [Finding::RowUnknown { object: object("study/S-2") }]);
     for (table, change, object) in [
         ("films", "posture = 'neutral'", "film/1"),
         ("readings", "observer = 'C'", "reading/1"),
         ("studies", "synthetic = 0", "study/S-1"),
+        ("studies", "archived = 1", "study/S-1"),
         ("conflicts", "change = '{}'", "conflict/1"),
     ] {
         let found = findings_after(&format!("UPDATE {table} SET {change} WHERE rowid = 1"));
@@ -205,8 +206,7 @@ fn a_rewritten_log_is_detected_only_with_an_external_head() {
     let kept = store.head().expect("a head");
     assert!(store.verify(Some(&kept)).expect("verifiable").is_clean());
     // The log may grow.
-    let study =
-        spineline_store::Study { id: crate::session::name("S-9"), label: None, synthetic: true };
+    let study = spineline_store::Study::new(crate::session::name("S-9"), None, true);
     store.add_study(&study, &crate::session::by("lead", 900)).expect("a study");
     assert!(store.verify(Some(&kept)).expect("verifiable").is_clean());
     // Another valid log.

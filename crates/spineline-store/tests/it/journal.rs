@@ -208,7 +208,7 @@ fn a_repeated_picture_is_reported_with_its_posture() {
     );
     assert_eq!(store.films(&name("S-1")).expect("films").len(), 2);
     // Another study may have it; its bytes are stored once.
-    let study = Study { id: name("S-2"), label: None, synthetic: true };
+    let study = Study::new(name("S-2"), None, true);
     store.add_study(&study, &by("lead", 10)).expect("a study");
     let added = store
         .add_film(&name("S-2"), Posture::Erect, &film_bytes(2), &image(), &by("lead", 11))

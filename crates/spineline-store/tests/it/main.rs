@@ -16,3 +16,4 @@ mod plan;
 mod schema;
 mod session;
 mod small_disk;
+mod withdrawals;

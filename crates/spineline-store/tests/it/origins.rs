@@ -29,9 +29,7 @@ fn wall(level: Level, side: Side, column_px: f64) -> Event {
 fn begun(folder: &tempfile::TempDir) -> (Store, ReadingId) {
     let mut store = create(&folder.path().join("store"));
     let (id, lead) = (name("S-1"), by("lead", 1));
-    store
-        .add_study(&Study { id: id.clone(), label: None, synthetic: true }, &lead)
-        .expect("a study");
+    store.add_study(&Study::new(id.clone(), None, true), &lead).expect("a study");
     let mut image = image();
     image["file"] = "erect.dcm".into();
     let film = store.add_film(&id, Posture::Erect, &film_bytes(1), &image, &lead).expect("a film");
@@ -101,9 +99,7 @@ fn a_plan_without_proposals_takes_clicked_corners_only() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let (id, lead) = (name("S-1"), by("lead", 1));
-    store
-        .add_study(&Study { id: id.clone(), label: None, synthetic: true }, &lead)
-        .expect("a study");
+    store.add_study(&Study::new(id.clone(), None, true), &lead).expect("a study");
     store.add_film(&id, Posture::Erect, &film_bytes(1), &image(), &lead).expect("a film");
     let design = PlanDesign { repeats: 1, washout_days: 0, proposals: false };
     store.reading_plan(&id, &[name("A")], design, &mut random(1), &lead).expect("a plan");

@@ -40,9 +40,7 @@ fn planned_by(
     let mut store = create(&folder.path().join(file));
     let id = name(study);
     let label = Some("Doe, Jane".to_owned());
-    store
-        .add_study(&Study { id: id.clone(), label, synthetic: true }, &by("lead", 1))
-        .expect("a study");
+    store.add_study(&Study::new(id.clone(), label, true), &by("lead", 1)).expect("a study");
     for (seed, posture) in (0..).zip(Posture::ALL) {
         store.add_film(&id, posture, &film_bytes(seed), &image(), &by("lead", 2)).expect("a film");
     }
@@ -305,12 +303,12 @@ fn a_film_does_not_change_between_its_planned_readings() {
         // A stale edit is refused too, and not kept as a conflict that somebody could apply.
         for revision in [0, 5] {
             let refused = store.edit_film(before[0].id, edit, revision, &by("lead", 5));
-            assert!(matches!(refused, Err(StoreError::FilmsFrozen { .. })), "{refused:?}");
+            assert!(matches!(refused, Err(StoreError::PlanRuns { .. })), "{refused:?}");
         }
     }
     read_all(&mut store, "A");
     let refused = store.edit_film(before[0].id, edits[0], 0, &by("lead", 6));
-    assert!(matches!(refused, Err(StoreError::FilmsFrozen { .. })), "{refused:?}");
+    assert!(matches!(refused, Err(StoreError::PlanRuns { .. })), "{refused:?}");
     assert_eq!(store.films(&name("S-1")).expect("films"), before);
     read_all(&mut store, "B");
     store.edit_film(before[0].id, edits[0], 0, &by("lead", 7)).expect("the plan is complete");
@@ -369,7 +367,7 @@ fn codes_are_unique_across_plans_with_the_same_random_numbers() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = planned(&folder, "store", "S-1", DESIGN);
     let lead: Signature = by("lead", 5);
-    let study = Study { id: name("S-2"), label: None, synthetic: true };
+    let study = Study::new(name("S-2"), None, true);
     store.add_study(&study, &lead).expect("a study");
     store.add_film(&study.id, Posture::Erect, b"x", &image(), &lead).expect("a film");
     store
@@ -390,9 +388,7 @@ fn an_empty_plan_or_a_plan_after_readings_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let (study, lead) = (name("S-1"), by("lead", 1));
-    store
-        .add_study(&Study { id: study.clone(), label: None, synthetic: true }, &lead)
-        .expect("a study");
+    store.add_study(&Study::new(study.clone(), None, true), &lead).expect("a study");
     let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);
     assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "no films: {refused:?}");
     let film = store.add_film(&study, Posture::Erect, b"x", &image(), &lead).expect("a film").film;

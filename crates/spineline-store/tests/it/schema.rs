@@ -63,9 +63,9 @@ fn write_store(path: &Path, films: i64) {
     let mut writer = Writer { raw, entries: 0, hash: String::new() };
     writer.log("store", "");
     writer.add(
-        "INSERT INTO studies VALUES ('S-1', 'Doe', 1)",
+        "INSERT INTO studies VALUES ('S-1', 'Doe', 1, 0, 0)",
         "study/S-1",
-        &json!(["S-1", "S-1", "Doe", 1]),
+        &json!(["S-1", "S-1", "Doe", 1, 0, 0]),
     );
     for film in 1..=films {
         let bytes = film_bytes(u32::try_from(film).expect("few"));
@@ -82,8 +82,9 @@ fn write_store(path: &Path, films: i64) {
         );
         let digested = json!([film, film, "S-1", posture, hash, image, 0, 0]);
         writer.add(&sql, &format!("film/{film}"), &digested);
-        let sql =
-            format!("INSERT INTO readings VALUES ({film}, {film}, 'A', 1, {TIME_MS}, NULL, NULL)");
+        let sql = format!(
+            "INSERT INTO readings VALUES ({film}, {film}, 'A', 1, {TIME_MS}, NULL, NULL, NULL)"
+        );
         writer.raw.execute(&sql, []).expect("a reading");
         // The last click came after the finish, by a clock that went back.
         for (revision, corner) in (1..).zip(Corner::FRONTAL.points()) {
@@ -99,7 +100,7 @@ fn write_store(path: &Path, films: i64) {
         let sql = format!(
             "UPDATE readings SET finished_ms = {finished}, rest_from_ms = {rest_from} WHERE id = {film}"
         );
-        let digested = json!([film, film, film, "A", 1, TIME_MS, finished, rest_from]);
+        let digested = json!([film, film, film, "A", 1, TIME_MS, finished, rest_from, null]);
         writer.add(&sql, &format!("reading/{film}"), &digested);
     }
     let (entries, hash) = (writer.entries, writer.hash.clone());

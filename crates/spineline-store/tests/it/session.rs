@@ -88,7 +88,7 @@ pub fn run(store: &mut Store, step: usize) -> Result<(), StoreError> {
     match step {
         0 => {
             let label = Some("Doe, Jane".to_owned());
-            store.add_study(&Study { id, label, synthetic: true }, &lead)
+            store.add_study(&Study::new(id, label, true), &lead)
         }
         1 => store.add_film(&id, Posture::Erect, &film_bytes(1), &image(), &lead).map(drop),
         2 => store.add_film(&id, Posture::LeftBending, &film_bytes(2), &image(), &lead).map(drop),

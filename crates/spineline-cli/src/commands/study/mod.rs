@@ -147,9 +147,14 @@ fn list(store: &Store) -> Result<String, StoreError> {
     for study in store.studies()? {
         let films = store.films(&study.id)?;
         let readings = store.readings(&study.id)?;
-        let synthetic = if study.synthetic { " (synthetic)" } else { "" };
+        let notes = match (study.synthetic, study.archived) {
+            (true, true) => " (synthetic, archived)",
+            (true, false) => " (synthetic)",
+            (false, true) => " (archived)",
+            (false, false) => "",
+        };
         for film in &films {
-            table.row(row(&format!("{}{synthetic}", study.id), film, &readings));
+            table.row(row(&format!("{}{notes}", study.id), film, &readings));
         }
         if films.is_empty() {
             let nothing = || "-".to_owned();
@@ -161,7 +166,7 @@ fn list(store: &Store) -> Result<String, StoreError> {
 
 fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String> {
     let of_film: Vec<&ReadingRecord> = readings.iter().filter(|r| r.film == film.id).collect();
-    let finished = of_film.iter().filter(|r| r.finished_at.is_some()).count();
+    let finished = of_film.iter().filter(|r| r.counts()).count();
     let mut observers: Vec<&str> = of_film.iter().map(|r| r.observer.as_str()).collect();
     observers.sort_unstable();
     observers.dedup();

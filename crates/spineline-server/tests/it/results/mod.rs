@@ -1,6 +1,7 @@
 //! Results by HTTP: models, loads, live results, and hidden results.
 
 mod cohort;
+mod corrections;
 mod lateral;
 mod live;
 mod load_intervals;

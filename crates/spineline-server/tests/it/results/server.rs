@@ -81,7 +81,7 @@ fn image_json(image: &ImageGeometry) -> Value {
 /// A study with the films of a case, not read yet.
 pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, FilmId)> {
     let id = name(study);
-    let record = Study { id: id.clone(), label: None, synthetic: case.synthetic };
+    let record = Study::new(id.clone(), None, case.synthetic);
     store.add_study(&record, &by("lead")).expect("a new study");
     let films = case.films.iter().map(|film| {
         let FilmLandmarks::Corners { image, .. } = &film.landmarks else { panic!("landmarks") };

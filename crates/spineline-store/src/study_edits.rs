@@ -1,0 +1,83 @@
+//! Changes of a study's record.
+
+use rusqlite::params;
+use serde_json::Value;
+
+use crate::conflicts::{Acknowledged, LostChange, keep_lost, lost_changes};
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::films;
+use crate::names::{Name, Signature};
+
+/// A change of a study's record.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StudyEdit {
+    /// Give it another label, or none. The identifier stays: the log and the files of the films have it.
+    Label(Option<String>),
+    /// Archive it, or restore it.
+    Archived(bool),
+}
+
+impl StudyEdit {
+    fn json(&self) -> Value {
+        match self {
+            Self::Label(label) => serde_json::json!({ "label": label }),
+            Self::Archived(archived) => serde_json::json!({ "archived": archived }),
+        }
+    }
+
+    /// Its action in the log.
+    fn action(&self) -> &'static str {
+        match self {
+            Self::Label(_) => "rename",
+            Self::Archived(true) => "archive",
+            Self::Archived(false) => "unarchive",
+        }
+    }
+}
+
+impl Store {
+    /// Changes a study's record, if it has the expected revision.
+    ///
+    /// # Errors
+    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_study`]; [`StoreError::Archived`] for the label of
+    /// an archived study; [`StoreError::TooLarge`] for a long label; [`StoreError::Unknown`].
+    pub fn edit_study(
+        &mut self,
+        study: &Name,
+        edit: &StudyEdit,
+        expected_revision: u64,
+        by: &Signature,
+    ) -> Result<Acknowledged, StoreError> {
+        self.write(by, |ledger| {
+            let mut now = films::study(ledger.transaction, study)?;
+            if now.revision != expected_revision {
+                let (object, change) = (format!("study/{study}"), [edit.json().to_string()]);
+                return keep_lost(ledger, object, expected_revision, now.revision, &change)
+                    .map(Err);
+            }
+            match edit {
+                StudyEdit::Label(label) => {
+                    films::open_study(ledger.transaction, study)?;
+                    films::check_label(label.as_deref())?;
+                    now.label.clone_from(label);
+                }
+                StudyEdit::Archived(archived) => now.archived = *archived,
+            }
+            ledger.transaction.execute(
+                "UPDATE studies SET label = ?1, archived = ?2, revision = revision + 1 WHERE id = ?3",
+                params![now.label, now.archived, study.as_str()],
+            )?;
+            let sequence = ledger.seal(edit.action(), "studies", &study.as_str())?;
+            Ok(Ok(Acknowledged { sequence, revision: now.revision + 1 }))
+        })?
+    }
+
+    /// The refused edits of a study, oldest first.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn conflicts_of_study(&self, study: &Name) -> Result<Vec<LostChange>, StoreError> {
+        lost_changes(&self.connection, &format!("study/{study}"), 0)
+    }
+}
