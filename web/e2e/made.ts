@@ -47,6 +47,8 @@ export function study(id: string, more: Partial<Api<"StudySummary">> = {}): Api<
     id,
     label: null,
     synthetic: false,
+    archived: false,
+    revision: 0,
     role: "admin",
     status: "to_mark",
     status_text: "no film is marked",

@@ -133,7 +133,7 @@ export class FilmPage {
     const film =
       detail.summary.films.find((one) => one.film === number) ??
       detail.summary.films.find(({ posture }) => posture === "erect")!;
-    const mine = film.readings.filter((one) => one.mine).toSorted((a, b) => b.repeat - a.repeat);
+    const mine = film.readings.filter((one) => one.mine).toSorted((a, b) => b.reading - a.reading);
     return this.get(`/api/readings/${mine[0]!.reading}`);
   }
 

@@ -100,6 +100,39 @@ test.describe("with films of one phantom", () => {
     await expect(page).toHaveURL(/#\/studies\/a-leg\/measure/, { timeout: 60_000 });
   });
 
+  test("films are added to a study, each posture and each picture once", async ({ app, page }) => {
+    const [erect = "", left = ""] = films();
+    const confirm = async (file: string, posture: string): Promise<void> => {
+      await page.locator("input[type=file]").setInputFiles([file]);
+      const film = page.getByRole("article", { name: path.basename(file) });
+      await film.getByLabel("Posture").selectOption(posture, { timeout: 60_000 });
+      const sides = film.getByRole("group", { name: "The patient's left is on the" });
+      if (!(await sides.getByText("from the file").isVisible()))
+        await sides.getByRole("radio", { name: "right of the picture" }).check();
+    };
+    await app.open(page);
+    await page.getByRole("link", { name: "New study" }).first().click();
+    await confirm(erect, "erect");
+    await page.getByRole("textbox", { name: "Identifier" }).fill("growing");
+    await page.getByRole("button", { name: "Create the study" }).click();
+    await page.getByRole("link", { name: "Add films…" }).click({ timeout: 60_000 });
+    await expect(page.getByRole("heading", { name: "Add films to growing" })).toBeVisible();
+    await expectAccessible(page);
+    await confirm(erect, "erect");
+    await expect(page.getByText("Erect is chosen for another film too")).toBeVisible();
+    const film = page.getByRole("article", { name: path.basename(erect) });
+    await film.getByLabel("Posture").selectOption("neutral");
+    await page.getByRole("button", { name: "Add the films" }).click();
+    const refused = page.getByRole("alert").filter({ hasText: "The films were not added" });
+    await expect(refused).toContainText("are the same picture", { timeout: 60_000 });
+    await film.getByRole("button", { name: /^Remove/ }).click();
+    await confirm(left, "left_bending");
+    await shot(page, "more-films");
+    await page.getByRole("button", { name: "Add the films" }).click();
+    await expect(page).toHaveURL(/#\/studies\/growing\/measure/, { timeout: 60_000 });
+    await expect(page.getByRole("link", { name: /left bending/i })).toBeVisible();
+  });
+
   test("a film of an archive is found by keyboard and becomes a study", async ({ app, page }) => {
     const { address, server, owner } = await startArchive(await readFile(films()[0] ?? ""));
     await app.kill();

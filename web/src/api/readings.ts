@@ -24,6 +24,13 @@ export const detectVertebrae = (reading: number) =>
 export const finishReading = (reading: number, body: Api<"Finish">) =>
   answerOf(api.POST("/api/readings/{reading}/finish", { ...of(reading), body }));
 
+/** A copy of a finished reading, which replaces it when it is finished. */
+export const correctReading = (reading: number) =>
+  answerOf(api.POST("/api/readings/{reading}/correction", of(reading)));
+
+export const withdrawReading = (reading: number, body: Api<"NewWithdrawal">) =>
+  answerOf(api.POST("/api/readings/{reading}/withdrawal", { ...of(reading), body }));
+
 export const readLive = (reading: number, signal: AbortSignal) =>
   answerOf(api.GET("/api/readings/{reading}/live", { ...of(reading), signal }));
 

@@ -10,6 +10,12 @@ export const readStudy = (study: string, signal?: AbortSignal) =>
 
 export const createStudy = (body: Api<"NewStudy">) => answerOf(api.POST("/api/studies", { body }));
 
+export const addFilms = (study: string, body: Api<"MoreFilms">) =>
+  answerOf(api.POST("/api/studies/{study}/films", { ...of(study), body }));
+
+export const editStudy = (study: string, body: Api<"StudyChange">) =>
+  answerOf(api.POST("/api/studies/{study}/edits", { ...of(study), body }));
+
 /** Renders five films of a phantom; takes seconds. */
 export const createDemo = () => answerOf(api.POST("/api/studies/demo"));
 

@@ -78,7 +78,9 @@ export class Marking {
     this.#way === "walls" && !this.#canPropose ? "corners" : this.#way,
   );
   readonly live = $derived(this.#preview?.live ?? this.#live);
-  readonly changeable = $derived(this.#recorded.mine && !this.#recorded.finished);
+  readonly changeable = $derived(
+    this.#recorded.mine && !this.#recorded.finished && !this.#recorded.withdrawn,
+  );
   readonly target = $derived(
     this.changeable
       ? targetOf(this.reading, this.#recorded, this.#pending, this.#chosen, this.way)

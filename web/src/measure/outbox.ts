@@ -191,7 +191,7 @@ export class Outbox {
     }
     const reading = error.status === 409 ? readingOf(error.body) : null;
     if (reading) this.#lose(reading);
-    else if (error.status === 409 && error.problem.code === "finished") {
+    else if (error.status === 409 && ["finished", "withdrawn"].includes(error.problem.code)) {
       const lost = this.pending;
       this.#entries = [];
       this.#failures = 0;

@@ -1,8 +1,9 @@
-import { beginReading, readReading } from "../api/readings";
-import { editFilm, readStudy } from "../api/studies";
+import { beginReading, correctReading, readReading, withdrawReading } from "../api/readings";
+import { editFilm, editStudy, readStudy } from "../api/studies";
 import type { Api } from "../api/types";
 import { backAfter } from "../shell/loaded.svelte";
 import { inFilmOrder } from "../shell/words";
+import { counts } from "../studies/listing";
 import { nameTab } from "./keeping";
 import { Marking } from "./marking.svelte";
 import { movedText } from "./scale";
@@ -51,10 +52,24 @@ export class StudyPage {
     return 1 + Math.max(0, ...this.mine.map(({ repeat }) => repeat));
   }
 
+  /** Whether the person may change the study's record: also of a blinded one, as an admin. */
+  get mayEdit(): boolean {
+    const { role } = this.detail?.summary ?? { role: "reader" };
+    return this.detail?.plan?.blinded ? role === "admin" : role !== "reader";
+  }
+
   get mayMark(): boolean {
-    return (
-      this.detail !== null && this.detail.summary.role !== "reader" && !this.detail.plan?.blinded
-    );
+    return this.mayEdit && !this.detail?.summary.archived && !this.detail?.plan?.blinded;
+  }
+
+  /** Whether the person may withdraw a reading. */
+  mayWithdraw({ mine, withdrawn }: ReadingSummary): boolean {
+    return this.mayMark && !withdrawn && (mine || this.detail?.summary.role === "admin");
+  }
+
+  /** Whether a correction can begin: a planned reading has none, because it would not be blinded. */
+  mayCorrect(reading: ReadingSummary): boolean {
+    return this.mayMark && reading.mine && counts(reading) && !this.detail?.plan;
   }
 
   /** Whether blinded readings can be planned: the study must have no readings. */
@@ -62,6 +77,7 @@ export class StudyPage {
     return (
       this.detail !== null &&
       this.detail.summary.role === "admin" &&
+      !this.detail.summary.archived &&
       !this.detail.plan &&
       this.films.length > 0 &&
       this.films.every(({ readings }) => readings.length === 0)
@@ -84,7 +100,8 @@ export class StudyPage {
     const erect = this.films.find(({ posture }) => posture === "erect");
     const chosen = this.films.find((one) => one.film === film) ?? erect ?? this.films[0];
     this.#film = chosen?.film ?? null;
-    const latest = this.mine.toSorted((a, b) => b.repeat - a.repeat);
+    const standing = this.mine.filter(({ withdrawn }) => !withdrawn);
+    const latest = standing.toSorted((a, b) => b.reading - a.reading);
     const reading = latest.find(({ finished }) => !finished) ?? latest[0];
     await this.openReading(reading?.reading ?? null);
     if (begins && !reading && this.mayMark && this.#film === film) await this.begin();
@@ -117,6 +134,37 @@ export class StudyPage {
       await this.refresh();
       await this.openReading(reading);
     });
+  }
+
+  /** Opens the correction of a finished reading, and begins it unless an earlier attempt did. */
+  async correct({ reading }: ReadingSummary): Promise<void> {
+    await this.#tried("The correction could not be started", async () => {
+      await this.refresh();
+      const begun = this.mine.find(
+        ({ corrects, finished, withdrawn }) => corrects === reading && !finished && !withdrawn,
+      );
+      const correction = begun ?? (await correctReading(reading));
+      await this.refresh();
+      await this.openReading(correction.reading);
+    });
+  }
+
+  /** Withdraws a reading; errors are for the dialog that asks for the reason. */
+  async withdraw({ reading }: ReadingSummary, reason: string): Promise<void> {
+    await withdrawReading(reading, { reason });
+    await Promise.all([this.refresh(), this.marking?.reload()]);
+  }
+
+  /** Changes the label of the study, or archives it. */
+  async edit(edit: Api<"StudyEditName">): Promise<void> {
+    const expected_revision = this.detail?.summary.revision ?? 0;
+    try {
+      this.detail = await editStudy(this.study, { expected_revision, edit });
+    } catch (error) {
+      // After a refusal the shown record is outdated.
+      await this.refresh();
+      throw error;
+    }
   }
 
   /** Returns a function that changes the film's current record; a change by another person in between takes precedence. */

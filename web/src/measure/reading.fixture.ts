@@ -12,6 +12,8 @@ export function reading(): ReadingView {
     repeat: 1,
     mine: true,
     finished: false,
+    withdrawn: null,
+    corrects: null,
     synthetic: true,
     image: {
       columns: 3000,

@@ -5,6 +5,7 @@ export type Page =
   | { name: "import" }
   | { name: "measure"; study: string; film?: number }
   | { name: "films"; study: string }
+  | { name: "more-films"; study: string }
   | { name: "model"; study: string }
   | { name: "evidence"; study: string }
   | { name: "plan"; study: string }
@@ -20,6 +21,7 @@ export function pageOf(hash: string): Page {
   if (first === "access") return { name: "access" };
   if (first === "studies" && study) {
     if (third === "films") return { name: "films", study };
+    if (third === "more") return { name: "more-films", study };
     if (third === "model") return { name: "model", study };
     if (third === "evidence") return { name: "evidence", study };
     if (third === "plan") return { name: "plan", study };
@@ -52,6 +54,8 @@ export function addressOf(page: Page): string {
       return "#/access";
     case "films":
       return `#/studies/${encodeURIComponent(page.study)}/films`;
+    case "more-films":
+      return `#/studies/${encodeURIComponent(page.study)}/more`;
     case "model":
       return `#/studies/${encodeURIComponent(page.study)}/model`;
     case "evidence":

@@ -66,7 +66,10 @@ const isLength = (value: number | null): boolean =>
   value !== null && Number.isFinite(value) && value > 0;
 
 /** Questions to be answered or corrected before the film can be used. */
-export function openQuestions(answers: Answers, others: Answers[]): Open[] {
+export function openQuestions(
+  answers: Answers,
+  others: readonly Pick<Answers, "posture">[],
+): Open[] {
   const open: Open[] = [];
   const { posture } = answers;
   if (posture === null) open.push({ field: "posture", text: "Which posture is this?" });

@@ -6,6 +6,8 @@ function study(id: string, more: Partial<Study> = {}): Study {
   return {
     id,
     synthetic: false,
+    archived: false,
+    revision: 0,
     role: "admin",
     status: "to_mark",
     status_text: "no film is marked",
@@ -30,10 +32,11 @@ const STUDIES = [
     },
   }),
   study("A", { status: "refused", contradictions: 2, changed_ms: 2 }),
+  study("OLD", { status: "measured", archived: true }),
 ];
 
 function ids(choice: Partial<Choice>): string[] {
-  const all: Choice = { search: "", status: "all", order: "id", ...choice };
+  const all: Choice = { search: "", status: "all", order: "id", archived: false, ...choice };
   return chosen(STUDIES, all).map((found) => found.id);
 }
 
@@ -53,6 +56,10 @@ describe("the list of studies", () => {
 
   it("filters by status", () => {
     expect(ids({ status: "measured" })).toEqual(["S-10"]);
+  });
+
+  it("shows archived studies only on request", () => {
+    expect(ids({ archived: true })).toEqual(["OLD"]);
   });
 
   it("sorts numbers in identifiers by value", () => {

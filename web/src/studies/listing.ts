@@ -18,6 +18,8 @@ export interface Choice {
   search: string;
   status: Api<"StudyStatus"> | "all";
   order: Order;
+  /** Whether archived studies are shown, and no others. */
+  archived: boolean;
 }
 
 /** Texts of a study that the search uses. */
@@ -49,6 +51,7 @@ const BY: Record<Order, (a: Study, b: Study) => number> = {
 export function chosen(studies: Study[], choice: Choice): Study[] {
   const words = choice.search.toLowerCase().split(/\s+/).filter(Boolean);
   return studies
+    .filter((study) => study.archived === choice.archived)
     .filter((study) => choice.status === "all" || study.status === choice.status)
     .filter((study) => {
       const text = textOf(study);
@@ -69,6 +72,10 @@ export function scaleTrouble(study: Study): string | null {
   ].filter(Boolean);
   return parts.length ? parts.join("; ") : null;
 }
+
+/** Whether results use a reading. */
+export const counts = ({ finished, withdrawn }: Api<"ReadingSummary">): boolean =>
+  finished && !withdrawn;
 
 /** Whether a study with this status has results, and so a model and a report. */
 export const hasResults = (status: Api<"StudyStatus">): boolean =>
