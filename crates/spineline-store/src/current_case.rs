@@ -45,8 +45,6 @@ pub struct CurrentFilm {
     pub readings: usize,
     /// Vertebrae of the model with four corners in one of them.
     pub marked: BTreeSet<Level>,
-    /// Whether its readings are finished, so that what they lack is not seen on the film.
-    pub finished: bool,
 }
 
 impl CurrentFilm {
@@ -56,11 +54,10 @@ impl CurrentFilm {
         Level::MODEL.into_iter().filter(|level| !self.marked.contains(level)).collect()
     }
 
-    /// Whether the film takes part in the analysis: all vertebrae of the model have landmarks, or all that a finished reading
-    /// could see, and these are enough.
+    /// Whether the film takes part in the analysis: its vertebrae with landmarks are enough.
     #[must_use]
     pub fn is_usable(&self) -> bool {
-        self.missing().is_empty() || (self.finished && shows_enough(&self.marked))
+        shows_enough(&self.marked)
     }
 }
 
@@ -168,8 +165,7 @@ impl Store {
             let (record, readings) = (film, chosen.len());
             match record.view {
                 FilmView::Frontal(posture) => {
-                    let finished = chosen.iter().all(|(reading, _)| reading.finished_at.is_some());
-                    films.push(CurrentFilm { posture, record, readings, marked, finished });
+                    films.push(CurrentFilm { posture, record, readings, marked });
                 }
                 FilmView::Lateral => lateral = Some(CurrentLateral { record, readings, marked }),
             }

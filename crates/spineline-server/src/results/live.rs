@@ -74,11 +74,8 @@ fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
     let fault = fault_of(result, posture);
     let (status, status_text) = status(result, &missing, fault.as_ref());
     let study = result.analysis().map(findings::of_study);
-    let overlay = if missing.is_empty() && fault.is_none() {
-        overlay::of_film(result, posture)
-    } else {
-        None
-    };
+    let is_drawn = hand.is_some_and(CurrentFilm::is_usable) && fault.is_none();
+    let overlay = is_drawn.then(|| overlay::of_film(result, posture)).flatten();
     let view = FilmView::Frontal(posture);
     let heights = heights::on_film(&result.current, view);
     let notices = film_notices(result, view, fault.as_ref());

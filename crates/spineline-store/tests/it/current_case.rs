@@ -239,7 +239,7 @@ fn an_image_invalid_in_a_case_file_is_refused() {
 }
 
 #[test]
-fn an_incomplete_film_is_used_once_its_reading_is_finished() {
+fn an_incomplete_film_is_used_once_it_shows_enough() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = create(&folder.path().join("store"));
     let (lead, id) = (by("lead", 0), name(STUDY));
@@ -254,7 +254,7 @@ fn an_incomplete_film_is_used_once_its_reading_is_finished() {
     let in_hand = CaseReadings::InHand { reading, pending: &[] };
     let film = store.current_case(&id, in_hand).expect("a case").films.remove(0);
     assert_eq!(film.missing(), [Level::T8, Level::T3, Level::T2]);
-    assert!(!film.is_usable(), "the reader may be about to mark them");
+    assert!(film.is_usable(), "live results begin before the end of the reading");
     let revision = u64::try_from(events.len()).expect("few events");
     store.finish_reading(reading, revision, &by("A", 1)).expect("finished");
     let current = store.current_case(&id, CaseReadings::Finished).expect("a case");

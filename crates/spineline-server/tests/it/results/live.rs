@@ -41,12 +41,34 @@ fn an_incomplete_reading_is_partial_and_names_missing_vertebrae() {
     let case = phantom().case;
     let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
-        begun(store, &case, "S1", 12)
+        begun(store, &case, "S1", 10)
     });
     let live = running.get(&format!("{reading}/live"));
     assert_eq!(live["status"], "partial");
-    assert_eq!(live["status_text"], "12 of 15 vertebrae; T4, T3 and T2 are missing");
+    assert_eq!(live["status_text"], "10 of 15 vertebrae; T6, T5, T4, T3 and T2 are missing");
     assert!(live["overlay"].is_null() && live["study"].is_null());
+}
+
+#[test]
+fn a_reading_that_ends_at_t6_has_live_angles_a_curve_and_cobb_lines() {
+    let case = phantom().case;
+    let (running, reading) = serve_reading(|store| {
+        add_study(store, "S1", &case);
+        begun(store, &case, "S1", 11)
+    });
+    let live = running.get(&format!("{reading}/live"));
+    assert_eq!(live["status"], "partial");
+    assert_eq!(live["status_text"], "11 of 15 vertebrae; T5, T4, T3 and T2 are missing");
+    let curves = live["study"]["curves"].as_array().expect("curves").len();
+    assert!(curves > 0, "{live}");
+    let overlay = &live["overlay"];
+    assert_eq!(overlay["curve_px"].as_array().map(Vec::len), Some(120));
+    assert_eq!(overlay["cobb"].as_array().map(Vec::len), Some(curves));
+    // The same angles as after the end of the reading.
+    let body = json!({ "expected_revision": 44 });
+    running.post(&format!("{reading}/finish"), &body);
+    let finished = running.get("/api/studies/S1/findings");
+    assert_eq!(finished["study"]["curves"], live["study"]["curves"]);
 }
 
 #[test]
