@@ -1,4 +1,5 @@
-//! Bodies of a reading compared with their neighbours: steps of width and tilt that do not occur between vertebrae.
+//! Bodies of a reading compared with their neighbours: steps of width and tilt that do not occur between vertebrae, and landmarks
+//! far from the spine.
 
 use std::collections::BTreeMap;
 
@@ -17,6 +18,13 @@ const MAX_WIDTH_RATIO: f64 = 1.6;
 /// The same bodies do not exceed it; the largest is 25.0°. These films are erect: a bend, whose rotations are spread
 /// over its joints, changes the difference between neighbours only slightly.
 const MAX_TILT_STEP: Angle = Angle::from_deg(30.0);
+
+/// Distance of the middles of neighbouring bodies over the height of a body: with a disc of three tenths of it.
+const STEP_HEIGHTS: f64 = 1.3;
+
+/// A landmark is far from the spine at this number of times the distance to the farthest corner that its level has in a straight
+/// spine. An assumption: a bend brings the corners nearer.
+const MAX_FAR_RATIO: f64 = 1.5;
 
 /// Difference of a body from its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +60,25 @@ pub(super) fn unlike_neighbours(
         !found.iter().any(worse)
     };
     found.iter().filter(is_worst).map(|(&level, &unlike)| (level, unlike)).collect()
+}
+
+/// Levels with a landmark far from the next body, that body, and the distance over the largest expected one.
+pub(super) fn far_from_bodies(
+    bodies: &BTreeMap<Level, Corners<Frontal>>,
+    landmarks: &BTreeMap<Level, Vec<Frontal>>,
+) -> Vec<(Level, Level, f64)> {
+    let far = landmarks.iter().filter_map(|(&level, places)| {
+        let steps = |other: Level| (other as usize).abs_diff(level as usize);
+        let (&near, body) = bodies.iter().min_by_key(|&(&other, _)| steps(other))?;
+        let middle = body.measure_location().ok()?;
+        let (height_mm, width_mm) = (body.height_mm(), body.mean_width_mm());
+        let expected_mm =
+            STEP_HEIGHTS * height_mm * steps(near) as f64 + height_mm.hypot(width_mm) / 2.0;
+        let farthest_mm = places.iter().map(|place| place.distance_mm(middle)).reduce(f64::max)?;
+        let ratio = farthest_mm / expected_mm;
+        (ratio > MAX_FAR_RATIO).then_some((level, near, ratio))
+    });
+    far.collect()
 }
 
 fn is_beside(a: Level, b: Level) -> bool {

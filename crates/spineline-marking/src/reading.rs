@@ -15,7 +15,7 @@ use spineline::measure::{
 use spineline::number::fixed;
 use spineline::spatial::{Angle, Frontal, Pixel};
 
-use super::body_neighbours::{Unlike, unlike_neighbours};
+use super::body_neighbours::{Unlike, far_from_bodies, unlike_neighbours};
 
 /// A vertebra of which some corners are placed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -177,6 +177,15 @@ pub enum MarkingFault {
         /// Its tilt less theirs, positive to the patient's right.
         step: Angle,
     },
+    /// A landmark of a vertebra without four corners lies far from the spine.
+    Far {
+        /// Vertebra.
+        level: Level,
+        /// The next vertebra with four corners.
+        near: Level,
+        /// Its distance from there over the largest expected one.
+        ratio: f64,
+    },
     /// An iliac crest lies outside of the picture.
     CrestOffPicture {
         /// The patient's side.
@@ -202,6 +211,7 @@ impl MarkingFault {
             Self::Distance { .. } => "spacing_unusual",
             Self::Width { .. } => "width_unusual",
             Self::Tilt { .. } => "tilt_unusual",
+            Self::Far { .. } => "landmark_far",
             Self::CrestOffPicture { .. } => "crest_off_picture",
             Self::CrestsExchanged => "crests_exchanged",
         }
@@ -216,6 +226,7 @@ impl MarkingFault {
             | Self::NotConvex { level }
             | Self::Width { level, .. }
             | Self::Tilt { level, .. }
+            | Self::Far { level, .. }
             | Self::OutOfOrder { superior: level, .. }
             | Self::Distance { superior: level, .. } => Some(level),
             Self::Mirrored { .. } | Self::CrestOffPicture { .. } | Self::CrestsExchanged => None,
@@ -227,7 +238,11 @@ impl MarkingFault {
     pub const fn is_error(&self) -> bool {
         !matches!(
             self,
-            Self::Distance { .. } | Self::Width { .. } | Self::Tilt { .. } | Self::CrestsExchanged
+            Self::Distance { .. }
+                | Self::Width { .. }
+                | Self::Tilt { .. }
+                | Self::Far { .. }
+                | Self::CrestsExchanged
         )
     }
 }
@@ -289,6 +304,11 @@ impl fmt::Display for MarkingFault {
                 "{level} is tilted by {} against its neighbours: check that its corners belong to one vertebra",
                 step.abs()
             ),
+            Self::Far { level, near, ratio } => write!(
+                f,
+                "{level} lies {} times the expected distance from {near}: does this landmark belong to {level}?",
+                fixed(*ratio, 1)
+            ),
             Self::CrestOffPicture { side } => {
                 write!(f, "the {side} iliac crest lies outside of the picture")
             }
@@ -324,6 +344,7 @@ impl PartialReading {
         }
         faults.extend(order_faults(image, &bodies));
         faults.extend(self.unlike_faults(image, &bodies));
+        faults.extend(self.far_faults(image));
         faults.extend(self.crest_faults(image));
         faults
     }
@@ -343,6 +364,20 @@ impl PartialReading {
             Unlike::Tilt(step) => MarkingFault::Tilt { level, step },
         };
         unlike_neighbours(&shapes).into_iter().map(fault).collect()
+    }
+
+    fn far_faults(&self, image: &ImageGeometry) -> Vec<MarkingFault> {
+        let (mut bodies, mut partial) = (BTreeMap::new(), BTreeMap::new());
+        for (&level, landmark) in &self.vertebrae {
+            if let Some(corners) = landmark.complete() {
+                bodies.insert(level, corners.map(|corner| image.frontal(corner)));
+                continue;
+            }
+            let places = landmark.corners.points().into_iter().chain(landmark.walls).flatten();
+            partial.insert(level, places.map(|place| image.frontal(place)).collect());
+        }
+        let fault = |(level, near, ratio)| MarkingFault::Far { level, near, ratio };
+        far_from_bodies(&bodies, &partial).into_iter().map(fault).collect()
     }
 
     /// Vertebrae with a fault.

@@ -94,6 +94,30 @@ fn a_body_unlike_its_neighbours_is_named_and_they_are_not() {
 }
 
 #[test]
+fn a_landmark_far_from_the_spine_is_doubted_and_a_true_one_is_not() {
+    for film in &phantom(0).films {
+        let with_one = |count: usize, level: Level, place: Pixel| {
+            let mut reading = marked(&film.vertebrae, &Level::MODEL[..count]);
+            let mut one = PartialLandmarks::default();
+            one.corners.superior_left = Some(place);
+            reading.vertebrae.insert(level, one);
+            reading.faults(&film.image)
+        };
+        for (count, &level) in Level::MODEL.iter().enumerate().skip(1) {
+            let true_place = film.vertebrae[&level].superior_left;
+            assert_eq!(with_one(count, level, true_place), [], "{level} of {}", film.posture);
+        }
+        let Pixel { column_px, row_px } = film.vertebrae[&Level::T2].superior_left;
+        let aside = if column_px > 700.0 { column_px - 700.0 } else { column_px + 700.0 };
+        let faults = with_one(Level::MODEL.len(), Level::T1, Pixel::new(aside, row_px));
+        let [MarkingFault::Far { level: Level::T1, near: Level::T2, ratio }] = faults[..] else {
+            panic!("{}: {faults:?}", film.posture)
+        };
+        assert!(ratio > 2.0, "{ratio}");
+    }
+}
+
+#[test]
 fn a_mirrored_picture_has_mirrored_proposals_and_axes() {
     let film = &phantom(2).films[1];
     let image = film.image;
