@@ -177,6 +177,11 @@ pub enum Event {
         #[schema(value_type = String)]
         level: Level,
     },
+    /// Give all vertebrae the level above, or below: all were counted one too low, or too high.
+    ShiftLevels {
+        /// Whether to the level above.
+        up: bool,
+    },
     /// The superior tip of an iliac crest.
     PlaceIliacCrest {
         /// The patient's side.
@@ -231,6 +236,7 @@ impl Event {
             | Self::SetAxis { .. }
             | Self::PlaceIliacCrest { .. } => view != FilmView::Lateral,
             Self::RemoveVertebra { .. }
+            | Self::ShiftLevels { .. }
             | Self::Scale { .. }
             | Self::Invert { .. }
             | Self::Undo

@@ -149,6 +149,11 @@ impl ReadingState {
                 }
             }
             Event::RemoveVertebra { level } => drop(self.vertebrae.remove(&level)),
+            Event::ShiftLevels { up } => {
+                let vertebrae = std::mem::take(&mut self.vertebrae).into_iter();
+                let shifted = |(level, vertebra)| Some((beside(level, up)?, vertebra));
+                self.vertebrae = vertebrae.filter_map(shifted).collect();
+            }
             Event::PlaceIliacCrest { side, column_px, row_px } => {
                 self.iliac_crests_px.insert(side, [column_px, row_px]);
             }
@@ -199,6 +204,13 @@ impl ReadingState {
                 self.vertebrae.contains_key(level),
                 "only a vertebra with landmarks can be removed",
             ),
+            Event::ShiftLevels { up } => {
+                let has_level = |&level: &Level| beside(level, *up).is_some();
+                (
+                    !self.vertebrae.is_empty() && self.vertebrae.keys().all(has_level),
+                    "levels are L5 to T1: a vertebra would have no level",
+                )
+            }
             Event::Scale { from_px, to_px, length_mm } => {
                 #[expect(
                     clippy::float_cmp,
@@ -216,6 +228,10 @@ impl ReadingState {
         };
         (!sound).then_some(reason)
     }
+}
+
+fn beside(level: Level, up: bool) -> Option<Level> {
+    if up { level.next_above() } else { level.next_below() }
 }
 
 /// Whether all four corners lie within the limits, and the deviation is not negative.

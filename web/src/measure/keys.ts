@@ -150,6 +150,8 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
     p: () => void marking.togglePropose(),
     e: () => marking.toggleWay("pedicles"),
     n: () => marking.jumpToCrests(),
+    u: () => marking.shiftLevels(true),
+    j: () => marking.shiftLevels(false),
     "[": step(-1),
     "]": step(1),
     r: () => level && marking.resetAxis(level),

@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
 
-import { acceptable, accepting, openProposals } from "./proposals";
+import { acceptable, accepting, openProposals, shifted } from "./proposals";
 import { reading } from "./reading.fixture";
 import { landmarkAt, proposedAt } from "./hit";
 import {
@@ -170,4 +170,17 @@ it("the lateral film has its own corners, and pedicles are placed, moved and ste
   expect(placeOf(marked, pedicle)).toEqual([10, 20]);
   expect(landmarksOf(marked)).toEqual([pedicle]);
   expect(missingPedicle(marked, "L4")).toEqual({ ...pedicle, side: "right" });
+});
+
+it("all levels are shifted by one, marked or proposed", () => {
+  const before = withEvents(reading(), [
+    { kind: "place_corner", level: "L4", corner: "superior_left", column_px: 1, row_px: 2 },
+    { kind: "place_corner", level: "L3", corner: "superior_left", column_px: 1, row_px: 1 },
+  ]);
+  const levels = (up: boolean): string[] =>
+    withEvents(before, [{ kind: "shift_levels", up }]).vertebrae.map(({ level }) => level);
+  expect(levels(true)).toEqual(["L3", "L2"]);
+  const found = ["L4", "L2"].map((level) => ({ level, corners: [], sd_percent: 3 }));
+  expect(shifted(found, before, true).map(({ level }) => level)).toEqual(["L3"]);
+  expect(shifted(found, before, false).map(({ level }) => level)).toEqual(["L3"]);
 });

@@ -61,6 +61,12 @@ export function cranialFirst(a: string, b: string): number {
   return height(b) - height(a);
 }
 
+/** The level above or below; null beyond the known levels. */
+export function levelBeside({ order }: ReadingView, level: string, up: boolean): string | null {
+  const levels = order.toSorted(cranialFirst);
+  return levels[levels.indexOf(level) + (up ? -1 : 1)] ?? null;
+}
+
 /** A landmark or an axis on the film that can be selected and moved. */
 export type Landmark =
   | { kind: "corner"; level: string; corner: Corner }
@@ -245,6 +251,14 @@ function withEvent(reading: ReadingView, event: Event): ReadingView {
         ...reading,
         vertebrae: reading.vertebrae.filter(({ level }) => level !== event.level),
       };
+    case "shift_levels":
+      return {
+        ...reading,
+        vertebrae: reading.vertebrae.flatMap((vertebra) => {
+          const level = levelBeside(reading, vertebra.level, event.up);
+          return level ? [{ ...vertebra, level }] : [];
+        }),
+      };
     case "place_iliac_crest": {
       const px = [event.column_px, event.row_px];
       const crests = { ...reading.crests, [`${event.side}_px`]: px };
@@ -342,6 +356,8 @@ export function wordsOfEvent(event: Event): string {
         : `${event.level} – axis rotated by hand to ${fixed(event.axis_deg, 1)}°`;
     case "remove_vertebra":
       return `${event.level} removed`;
+    case "shift_levels":
+      return `all levels one ${event.up ? "up" : "down"}`;
     case "place_iliac_crest":
       return `iliac crest, patient’s ${event.side}, to ${at(event.column_px, event.row_px)}`;
     case "invert":

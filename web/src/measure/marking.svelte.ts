@@ -285,6 +285,15 @@ export class Marking {
     this.said = `${level} removed`;
   }
 
+  /** Names every vertebra, marked or found in the picture, one level up or down. */
+  shiftLevels(up: boolean): void {
+    if (!this.changeable) return;
+    this.#found = proposing.shifted(this.#found, this.#recorded, up);
+    [this.#chosen, this.selected] = [null, null];
+    if (this.reading.vertebrae.length > 0) this.#record([{ kind: "shift_levels", up }]);
+    this.said = `all levels one ${up ? "up" : "down"}`;
+  }
+
   invert(inverted: boolean): void {
     this.#record([{ kind: "invert", inverted }]);
   }

@@ -160,6 +160,8 @@ export class StudyPage {
     const expected_revision = this.detail?.summary.revision ?? 0;
     try {
       this.detail = await editStudy(this.study, { expected_revision, edit });
+      // A restored study takes the changes that waited.
+      this.marking?.retry();
     } catch (error) {
       // After a refusal the shown record is outdated.
       await this.refresh();

@@ -1,7 +1,7 @@
 import { detectVertebrae } from "../api/readings";
 import type { Api } from "../api/types";
 import { lasting } from "../shell/storage.svelte";
-import type { Corner, Event, Landmark, ReadingView } from "./landmarks";
+import { levelBeside, type Corner, type Event, type Landmark, type ReadingView } from "./landmarks";
 import type { Trouble } from "./lost";
 import { filmPoint, type FilmPoint } from "./viewport";
 
@@ -73,6 +73,17 @@ export function acceptable(
   }
   return open.filter(({ level }) => target && "level" in target && target.level === level);
 }
+
+/** The found vertebrae, each at the level above or below; those beyond the known levels are left out. */
+export const shifted = (
+  found: readonly Proposal[],
+  reading: ReadingView,
+  up: boolean,
+): Proposal[] =>
+  found.flatMap((proposal) => {
+    const level = levelBeside(reading, proposal.level, up);
+    return level ? [{ ...proposal, level }] : [];
+  });
 
 /** The event that accepts proposals. */
 export function accepting(proposals: readonly Proposal[]): Event {

@@ -44,6 +44,11 @@ export const KEYS = [
   },
   {
     page: "film",
+    strokes: ["u", "j"],
+    text: "name all vertebrae, marked or proposed, one level up, one level down",
+  },
+  {
+    page: "film",
     strokes: ["[", "]", "Tab"],
     text: "select the previous or next landmark",
   },

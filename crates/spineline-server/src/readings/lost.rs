@@ -65,6 +65,8 @@ fn words(change: &Value) -> String {
             Value::Null => format!("{} axis reset to its corners", word("level")),
             axis => format!("{} axis to {axis}°", word("level")),
         },
+        Some("shift_levels") if change["up"] == true => "all levels one up".to_owned(),
+        Some("shift_levels") => "all levels one down".to_owned(),
         Some("remove_vertebra") => format!("{} removed", word("level")),
         Some("place_iliac_crest") => format!("{} iliac crest to {}", word("side"), place()),
         Some("scale") => format!("a scale of {} mm", change["length_mm"]),

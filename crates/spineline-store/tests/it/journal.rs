@@ -294,3 +294,24 @@ fn a_clock_that_jumps_back_is_recorded_and_order_is_kept() {
     );
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
+
+#[test]
+fn all_levels_are_shifted_by_one_change_that_can_be_undone() {
+    let folder = folder();
+    let mut store = at_step(&folder, 5);
+    let by = by("A", 60);
+    store.record_all(READING, &clicks()[..12], 0, &by).expect("corners");
+    let before = store.reading_state(READING).expect("a state").vertebrae;
+    let up = Event::ShiftLevels { up: true };
+    store.record(READING, &up, 12, &by).expect("shifted");
+    let after = store.reading_state(READING).expect("a state").vertebrae;
+    assert_eq!(after.keys().copied().collect::<Vec<_>>(), [Level::L3, Level::L2, Level::T11]);
+    assert_eq!(after[&Level::L3], before[&Level::L4]);
+    assert_eq!(after[&Level::T11], before[&Level::T12]);
+    store.record(READING, &Event::Undo, 13, &by).expect("undone");
+    assert_eq!(store.reading_state(READING).expect("a state").vertebrae, before);
+    let down = Event::ShiftLevels { up: false };
+    store.record(READING, &down, 14, &by).expect("L4 is L5 now");
+    let refused = store.record(READING, &down, 15, &by);
+    assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");
+}
