@@ -83,3 +83,16 @@ test("an empty cohort says which studies are needed", async ({ app, page }) => {
   await expect(page.getByRole("heading", { name: "No studies to compare yet" })).toBeVisible();
   await shot(page, "cohort-empty");
 });
+
+test("synthetic and real studies are pooled only on request", async ({ app, page }) => {
+  await answerWith(page, "/api/cohort", { ...cohort(), verdict: ["5 patients."] });
+  await answerWith(page, "/api/cohort/pooled", { ...cohort(), verdict: ["9 patients."] });
+  await app.open(page);
+  await page.getByRole("link", { name: "Cohort" }).click();
+  await expect(page.getByText("5 patients.")).toBeVisible();
+  const pools = page.getByRole("checkbox", { name: "Pool synthetic and real studies" });
+  await expect(pools).not.toBeChecked();
+  await pools.check();
+  await expect(page.getByText("9 patients.")).toBeVisible();
+  await shot(page, "cohort-pooled");
+});

@@ -164,6 +164,7 @@ export function cohort(): Api<"CohortView"> {
     "Whiskers reach to the last value within 1.5 interquartile ranges of the box.";
   return {
     synthetic: true,
+    mixed: true,
     rows: manyStudies(9).map((study, index) => cohortRow(study, index)),
     charts: [
       {

@@ -1,3 +1,5 @@
 import { answerOf, api } from "./client";
 
-export const readCohort = () => answerOf(api.GET("/api/cohort"));
+/** With statistics over synthetic and real studies together, or over the real ones alone. */
+export const readCohort = (pools: boolean) =>
+  answerOf(pools ? api.GET("/api/cohort/pooled") : api.GET("/api/cohort"));

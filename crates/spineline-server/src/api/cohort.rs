@@ -10,6 +10,8 @@ use super::{Notice, StudyStatus};
 pub struct CohortView {
     /// Whether any of the films are synthetic.
     pub synthetic: bool,
+    /// Whether some are synthetic and some real.
+    pub mixed: bool,
     /// One row per study.
     pub rows: Vec<CohortRow>,
     /// Box charts, ready to be drawn.

@@ -34,18 +34,32 @@ const WHISKERS: &str = "box: quartiles and median; whiskers: last value within 1
 struct Member {
     study: String,
     synthetic: bool,
+    /// Whether it is synthetic beside real studies, which the statistics are about.
+    apart: bool,
     summary: ResultSummary,
     result: Option<Arc<StudyResult>>,
 }
 
-/// All studies that the requester may see, without the archived ones.
+/// All studies that the requester may see, without the archived ones. Statistics leave out synthetic studies beside real ones.
 #[utoipa::path(get, path = "/api/cohort", responses((status = 200, body = CohortView)))]
 pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<CohortView>> {
-    let studies = prepared(&state, &user).await?;
+    of_studies(state, user, false).await
+}
+
+/// The same with statistics over synthetic and real studies together.
+#[utoipa::path(get, path = "/api/cohort/pooled", responses((status = 200, body = CohortView)))]
+pub async fn pooled(State(state): State<AppState>, user: User) -> Answer<Json<CohortView>> {
+    of_studies(state, user, true).await
+}
+
+async fn of_studies(state: AppState, user: User, pools: bool) -> Answer<Json<CohortView>> {
+    let mut studies = prepared(&state, &user).await?;
+    studies.retain(|(study, _)| !study.archived);
+    let is_mixed = studies.iter().any(|(study, _)| study.synthetic)
+        && studies.iter().any(|(study, _)| !study.synthetic);
     let shared = state.clone();
     let members = state.store(move |store| {
-        let current = studies.into_iter().filter(|(study, _)| !study.archived);
-        let members = current.map(|(study, _)| {
+        let members = studies.into_iter().map(|(study, _)| {
             let cache = shared.results();
             let hidden = !sees_results(store, &user, &study.id)?;
             let result = if hidden { None } else { known(cache, store, &study.id)?.ok() };
@@ -53,23 +67,26 @@ pub async fn cohort(State(state): State<AppState>, user: User) -> Answer<Json<Co
                 Some(result) => of_result(result),
                 None => summary(cache, store, &user, &study.id)?,
             };
-            let id = study.id.to_string();
-            Ok(Member { study: id, synthetic: study.synthetic, summary: line, result })
+            let (id, synthetic) = (study.id.to_string(), study.synthetic);
+            let apart = synthetic && is_mixed && !pools;
+            Ok(Member { study: id, synthetic, apart, summary: line, result })
         });
         members.collect::<Result<Vec<Member>, StoreError>>()
     });
     let members = members.await?;
-    computed(move || Json(view(&members))).await
+    computed(move || Json(view(&members, is_mixed))).await
 }
 
-fn view(members: &[Member]) -> CohortView {
-    let results: Vec<&StudyResult> = members.iter().filter_map(|m| m.result.as_deref()).collect();
+fn view(members: &[Member], is_mixed: bool) -> CohortView {
+    let together = members.iter().filter(|member| !member.apart);
+    let results: Vec<&StudyResult> = together.filter_map(|m| m.result.as_deref()).collect();
     let counted = members.iter().filter(|member| excluded(member).is_none());
     let counted = counted.filter_map(|member| member.result.as_ref());
     let analyses: Vec<&Analysis> = counted.filter_map(|result| result.analysis()).collect();
     let patients: Vec<CohortPatient> = analyses.iter().map(|one| CohortPatient::of(one)).collect();
     let mut found = CohortView {
         synthetic: members.iter().any(|member| member.synthetic),
+        mixed: is_mixed,
         rows: members.iter().map(row).collect(),
         charts: Vec::new(),
         comparisons: Vec::new(),
@@ -77,7 +94,7 @@ fn view(members: &[Member]) -> CohortView {
         verdict: Vec::new(),
         notices: cohort_notices(members),
     };
-    for result in &results {
+    for result in members.iter().filter_map(|member| member.result.as_deref()) {
         found.reliability.extend(reliability::of_studies(&[result], result.study.as_str()));
     }
     if !patients.is_empty() {
@@ -95,8 +112,11 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
         let text = format!("{synthetic_studies} of {} studies are synthetic", members.len());
         notices::notice(Severity::Note, "synthetic", text)
     });
-    let mixed = (synthetic_studies > 0 && synthetic_studies < members.len()).then(|| {
-        let text = "all statistics of this page pool synthetic and real studies";
+    let is_pooled = synthetic_studies > 0
+        && synthetic_studies < members.len()
+        && members.iter().all(|member| !member.apart);
+    let mixed = is_pooled.then(|| {
+        let text = "the statistics of this page pool synthetic and real studies";
         notices::notice(Severity::Warning, "synthetic_mixed", text)
     });
     notices::sorted(synthetic.into_iter().chain(mixed).chain(other_options(members)).collect())
@@ -126,6 +146,9 @@ fn other_options(members: &[Member]) -> Option<Notice> {
 /// Reason for the exclusion of a study from the statistics.
 fn excluded(member: &Member) -> Option<String> {
     match member.result.as_ref().map(|result| &result.outcome) {
+        Some(Outcome::Analysed(_)) if member.apart => {
+            Some("synthetic: not pooled with real studies".to_owned())
+        }
         Some(Outcome::Analysed(analysis)) if analysis.warnings.has(WarningCode::NoSpacing) => {
             Some("a film has no spacing; its lengths are not comparable".to_owned())
         }

@@ -52,5 +52,6 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(pad_map::routes())
         .merge(load_intervals::routes())
         .routes(routes!(cohort::cohort))
+        .routes(routes!(cohort::pooled))
         .routes(routes!(reliability::reliability))
 }

@@ -1,4 +1,5 @@
 use serde_json::Value;
+use spineline::analysis::Case;
 use spineline_phantom::{Readers, Scenario, generate};
 
 use super::server::{add_read_study, add_study, assert_numbers, phantom, serve};
@@ -29,6 +30,39 @@ fn the_cohort_has_a_row_per_study_and_reasons_for_exclusions() {
             assert!(five.windows(2).all(|pair| pair[0] <= pair[1]), "{five:?}");
         }
     }
+}
+
+#[test]
+fn synthetic_studies_are_pooled_with_real_ones_only_on_request() {
+    let real = |index| {
+        let case = generate(index, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
+        Case { synthetic: false, ..case }
+    };
+    let running = serve(|store| {
+        add_read_study(store, "made", &phantom().case);
+        add_read_study(store, "R1", &real(1));
+        add_read_study(store, "R2", &real(2));
+    });
+    let counted = |path: &str| {
+        let cohort = running.get(path);
+        assert_eq!(cohort["mixed"], true);
+        let rows = cohort["rows"].as_array().expect("rows").iter();
+        let names: Vec<Value> =
+            rows.filter(|row| row["excluded"].is_null()).map(|row| row["study"].clone()).collect();
+        let codes: Vec<Value> = cohort["notices"]
+            .as_array()
+            .expect("notices")
+            .iter()
+            .map(|notice| notice["code"].clone())
+            .collect();
+        (names, codes.contains(&"synthetic_mixed".into()), cohort["verdict"][0].clone())
+    };
+    let (names, is_warned, verdict) = counted("/api/cohort");
+    assert_eq!((names, is_warned), (vec!["R1".into(), "R2".into()], false));
+    assert!(verdict.as_str().is_some_and(|text| text.starts_with("2 patients")), "{verdict}");
+    let (names, is_warned, verdict) = counted("/api/cohort/pooled");
+    assert_eq!((names.len(), is_warned), (3, true));
+    assert!(verdict.as_str().is_some_and(|text| text.starts_with("3 patients")), "{verdict}");
 }
 
 #[test]
