@@ -41,7 +41,7 @@ test("a finished reading is corrected by a copy, which replaces it", async ({ ap
   const film = await FilmPage.ofDemo(app, page);
   const truth = await tilted(film);
   await page.getByRole("button", { name: "Correct this reading" }).click();
-  await expect(film.target).toContainText("All landmarks placed");
+  await expect(film.target).toContainText("T1");
   const choice = page.getByRole("combobox", { name: "Reading" });
   await expect(choice.getByRole("option", { selected: true })).toHaveText(
     "tester, reading 1, correction",

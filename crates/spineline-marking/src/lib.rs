@@ -10,6 +10,7 @@
 mod body_neighbours;
 mod calibration;
 mod drawn;
+mod fault;
 mod midline;
 mod proposal;
 mod reading;
@@ -18,9 +19,10 @@ mod view;
 
 pub use calibration::{Calibration, CalibrationError, Calibrator};
 pub use drawn::{DrawnAngle, DrawnFault, DrawnLength, DrawnLine};
+pub use fault::MarkingFault;
 pub use midline::{Midline, MidlineEnd, MidlineError, MidlinePoint};
 pub use proposal::{NextLandmark, ProposedVertebra};
-pub use reading::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
+pub use reading::{MarkedBody, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use spacing_evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };

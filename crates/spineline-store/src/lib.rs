@@ -35,6 +35,7 @@ mod cases;
 mod computations;
 mod conflicts;
 mod connection;
+mod corrections;
 mod current_case;
 mod error;
 mod event;

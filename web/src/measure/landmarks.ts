@@ -67,6 +67,10 @@ export function levelBeside({ order }: ReadingView, level: string, up: boolean):
   return levels[levels.indexOf(level) + (up ? -1 : 1)] ?? null;
 }
 
+/** Whether its observer can still place landmarks. */
+export const isChangeable = ({ mine, finished, withdrawn }: ReadingView): boolean =>
+  mine && !finished && !withdrawn;
+
 /** A landmark or an axis on the film that can be selected and moved. */
 export type Landmark =
   | { kind: "corner"; level: string; corner: Corner }
@@ -122,6 +126,17 @@ export function landmarksOf(reading: ReadingView): Landmark[] {
     (landmark) => placeOf(reading, landmark) !== null,
   );
   return [...vertebrae, ...crests];
+}
+
+/** The landmark before or after the selected one; undefined at the ends. */
+export function landmarkBeside(
+  reading: ReadingView,
+  selected: Landmark | null,
+  by: 1 | -1,
+): Landmark | undefined {
+  const landmarks = landmarksOf(reading);
+  const now = landmarks.findIndex((landmark) => sameLandmark(landmark, selected));
+  return landmarks[now < 0 ? (by > 0 ? 0 : landmarks.length - 1) : now + by];
 }
 
 /** The placed walls or pedicles of a level. */

@@ -1,8 +1,21 @@
 import type { Event } from "./landmarks";
 
 /** Number and interval of checks for events of windows that have just closed. */
-export const AGAIN_TIMES = 5;
-export const AGAIN_MS = 800;
+const AGAIN_TIMES = 5;
+const AGAIN_MS = 800;
+
+/** Looks for events of other windows, several times: a window that closes keeps its name for a moment. */
+export async function lookedFor<Found>(
+  look: () => Promise<Found | null>,
+  isOver: () => boolean,
+): Promise<Found | null> {
+  let found = await look();
+  for (let i = 0; !found && i < AGAIN_TIMES && !isOver(); i += 1) {
+    await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+    found = await look();
+  }
+  return found;
+}
 
 /** Events that were not recorded, with the reason. */
 export interface Lost {

@@ -12,14 +12,14 @@ import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keep
 import {
   fresh,
   cornersOf,
-  landmarksOf,
+  isChangeable,
+  landmarkBeside,
   missingCrest,
   placeOf,
   placeWords,
   placing,
   remaining,
   round,
-  sameLandmark,
   stepsAfter,
   withEvents,
   wordsOf,
@@ -28,7 +28,7 @@ import {
   type Landmark,
   type ReadingView,
 } from "./landmarks";
-import { AGAIN_MS, AGAIN_TIMES, type Lost, type Trouble, WENT_BACK } from "./lost";
+import { lookedFor, type Lost, type Trouble, WENT_BACK } from "./lost";
 import * as proposing from "./proposals";
 import { Outbox, type SaveState } from "./outbox";
 import { CRESTS, MISSING, targetOf, type Chosen } from "./target";
@@ -78,9 +78,7 @@ export class Marking {
     this.#way === "walls" && !this.#canPropose ? "corners" : this.#way,
   );
   readonly live = $derived(this.#preview?.live ?? this.#live);
-  readonly changeable = $derived(
-    this.#recorded.mine && !this.#recorded.finished && !this.#recorded.withdrawn,
-  );
+  readonly changeable = $derived(isChangeable(this.#recorded));
   readonly target = $derived(
     this.changeable
       ? targetOf(this.reading, this.#recorded, this.#pending, this.#chosen, this.way)
@@ -236,10 +234,7 @@ export class Marking {
     this.#sendPreview({ events: this.#pending });
   }
 
-  /**
-   * Draws the proposals of all vertebrae, or only those to be accepted; detects them in the picture if too little is
-   * marked.
-   */
+  /** Draws the proposals of all vertebrae, or only those to be accepted; detects them if too little is marked. */
   async togglePropose(): Promise<void> {
     if (!this.mayPropose || this.detects) return;
     this.proposes = !this.proposes;
@@ -336,12 +331,9 @@ export class Marking {
 
   /** Selects the previous or next landmark; false at the ends. */
   step(by: 1 | -1): boolean {
-    const landmarks = landmarksOf(this.reading);
-    const now = landmarks.findIndex((landmark) => sameLandmark(landmark, this.selected));
-    const next = landmarks[now < 0 ? (by > 0 ? 0 : landmarks.length - 1) : now + by];
-    if (!next) return false;
-    this.select(next);
-    return true;
+    const next = landmarkBeside(this.reading, this.selected, by);
+    if (next) this.select(next);
+    return next !== undefined;
   }
 
   select(landmark: Landmark | null): void {
@@ -500,12 +492,8 @@ export class Marking {
       this.lost = { events, why: "conflict", forget: () => this.#keeping.decided() };
       return;
     }
-    let left = await leftBehind(this.#recorded, this.#tab);
-    // A window that closes keeps its name for a moment.
-    for (let i = 0; !left && i < AGAIN_TIMES && !this.#isClosed; i += 1) {
-      await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
-      left = await leftBehind(this.#recorded, this.#tab);
-    }
+    const look = () => leftBehind(this.#recorded, this.#tab);
+    const left = await lookedFor(look, () => this.#isClosed);
     if (left && this.lost === null) this.lost = { ...left, why: "left_behind" };
   }
 }

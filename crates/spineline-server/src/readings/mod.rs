@@ -4,7 +4,6 @@ mod detection;
 mod lost;
 mod markable;
 mod view;
-mod withdrawals;
 
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -15,7 +14,8 @@ use utoipa_axum::routes;
 
 use crate::access::{seen_film, seen_reading};
 use crate::api::{
-    Change, ConflictAnswer, Finish, FinishedReading, NewReading, Problem, ReadingView,
+    Change, ConflictAnswer, Finish, FinishedReading, NewReading, NewWithdrawal, Problem,
+    ReadingView,
 };
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
@@ -25,9 +25,8 @@ use crate::user::User;
 pub use lost::{of_film as lost_of_film, of_reading as lost_of_reading, of_study as lost_of_study};
 pub use markable::may_mark;
 use markable::{Markable, markable};
-pub use view::view;
 use view::view_after_loss;
-pub use withdrawals::withdrawal_view;
+pub use view::{view, withdrawal_view};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -35,7 +34,8 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(begin_planned))
         .routes(routes!(reading))
         .routes(routes!(finish))
-        .merge(withdrawals::routes())
+        .routes(routes!(withdraw))
+        .routes(routes!(correct))
         .routes(routes!(detection::detection))
 }
 
@@ -140,6 +140,53 @@ async fn finish(
 
 fn finished(revision: u64, reading: Option<ReadingView>) -> FinishedReading {
     FinishedReading { finished: true, revision, reading }
+}
+
+/// Withdraws a reading: it stays in the store and counts nowhere. Its observer may do so, or an admin.
+#[utoipa::path(post, path = "/api/readings/{reading}/withdrawal", params(("reading" = i64, Path)),
+    request_body = NewWithdrawal,
+    responses((status = 200, body = ReadingView), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn withdraw(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+    Json(new): Json<NewWithdrawal>,
+) -> Answer<Json<ReadingView>> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let view = state.ask(move |store| {
+        let seen = seen_reading(store, &user, ReadingId(reading))?;
+        let is_own = seen.record.observer == user.name;
+        let least = if is_own { Role::Editor } else { Role::Admin };
+        user.need_on_study(store, &seen.study.id, least)?;
+        store.withdraw_reading(seen.record.id, &new.reason, &by)?;
+        announced(&asker, store, &user, seen.record.id)
+    });
+    view.await.map(Json)
+}
+
+/// Begins a correction of a finished reading of the requester: a copy with all landmarks, which replaces the reading when it is
+/// finished.
+#[utoipa::path(post, path = "/api/readings/{reading}/correction", params(("reading" = i64, Path)),
+    responses((status = 200, body = ReadingView), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn correct(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Json<ReadingView>> {
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let view = state.ask(move |store| {
+        let seen = seen_reading(store, &user, ReadingId(reading))?;
+        user.need_on_study(store, &seen.study.id, Role::Editor)?;
+        let correction = store.correct_reading(seen.record.id, &by)?;
+        announced(&asker, store, &user, correction)
+    });
+    view.await.map(Json)
 }
 
 /// The reading after a change, or its current state if the change was refused.

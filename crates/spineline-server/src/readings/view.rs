@@ -6,13 +6,14 @@ use spineline::anatomy::{FilmView, Level, Side};
 use spineline::measure::{CornerName, ImageGeometry, Origin};
 use spineline::spatial::{Angle, Pixel};
 use spineline_marking::{NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra};
-use spineline_store::{Corner, Event, ReadingState, SeenReading, Store};
+use spineline_store::{
+    Corner, Event, ReadingState, SeenReading, Store, Withdrawal, WithdrawalCause,
+};
 
 use super::lost;
-use super::withdrawals::withdrawal_view;
 use crate::api::{
     AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, Proposal as ProposalView,
-    ReadingImage, ReadingView, Severity, SidesView, VertebraView, Wire,
+    ReadingImage, ReadingView, Severity, SidesView, VertebraView, Wire, WithdrawalView,
 };
 use crate::problem::Answer;
 use crate::user::User;
@@ -98,6 +99,17 @@ fn view_of(
         faults: faults(&landmarks, (&image, view), is_blinded),
         conflicts,
     })
+}
+
+pub fn withdrawal_view(withdrawal: &Withdrawal) -> WithdrawalView {
+    WithdrawalView {
+        who: withdrawal.who.to_string(),
+        at_ms: withdrawal.at.unix_ms(),
+        reason: match &withdrawal.cause {
+            WithdrawalCause::Reason(reason) => Some(reason.clone()),
+            WithdrawalCause::CorrectedBy(_) => None,
+        },
+    }
 }
 
 fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> ReadingImage {

@@ -28,7 +28,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
         .routes(routes!(list))
         .routes(routes!(study))
-        .routes(routes!(edit))
+        .routes(routes!(edit_study))
         .routes(routes!(plan))
         .routes(routes!(case_file))
         .merge(make::routes())
@@ -64,7 +64,7 @@ async fn study(
     responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
         (status = 413, body = Problem)))]
-async fn edit(
+async fn edit_study(
     State(state): State<AppState>,
     user: User,
     Path(study): Path<String>,
