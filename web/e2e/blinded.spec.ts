@@ -41,6 +41,18 @@ test(
     await plan.getByRole("button", { name: "Make the plan" }).click();
     await expect(plan).toBeHidden();
     await expect(page.getByRole("button", { name: "Plan blinded readings…" })).toHaveCount(0);
+    // Until the first reading begins, the plan can be changed.
+    await page.getByRole("button", { name: "Change the plan…" }).click();
+    const change = page.getByRole("dialog", { name: "Change the plan" });
+    await expect(change.getByLabel("Observers")).toHaveValue("bob, eve");
+    await expect(change.getByRole("checkbox", { name: "Propose vertebrae" })).not.toBeChecked();
+    await change.getByLabel("Readings per film").fill("2");
+    await expect(change).toContainText("8 readings");
+    await change.getByLabel("Readings per film").fill("1");
+    await change.getByRole("checkbox", { name: "Propose vertebrae" }).check();
+    await shot(page, "blinded-plan-change");
+    await change.getByRole("button", { name: "Change the plan" }).click();
+    await expect(change).toBeHidden();
     // The open page gets the change, and shows the reading under a code, also in its address.
     await expect(early.getByRole("heading", { name: /^next film/i })).toBeVisible();
     await expect(early).toHaveURL(new RegExp(`#/studies/${STUDY}/read$`));

@@ -208,6 +208,12 @@ pub enum StoreError {
         /// Study.
         study: Name,
     },
+    /// A change of an outdated plan.
+    #[error("another plan of study {study} replaced this one")]
+    PlanReplaced {
+        /// Study.
+        study: Name,
+    },
     /// A change in an archived study.
     #[error("study {study} is archived: nothing in it can be changed")]
     Archived {
@@ -336,6 +342,7 @@ impl StoreError {
             Self::Incomplete { .. } => "place the missing corners, or remove the vertebra",
             Self::PlanGoverns { .. } => "ask for the observer's next film, or make a new study",
             Self::PlanRuns { .. } => "repeat the change when the plan is complete",
+            Self::PlanReplaced { .. } => "load the study again, and change its newest plan",
             Self::Archived { .. } => "restore the study first: *Edit this study…* does it",
             Self::Withdrawn { .. } => "begin a new reading of the film",
             Self::NotFinished { .. } => "change its landmarks directly",

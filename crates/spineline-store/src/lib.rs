@@ -93,7 +93,7 @@ pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use options::StudyOptions;
 pub use password_hash::PasswordHash;
 pub use passwords::Credential;
-pub use plan::{BlindFilm, FilmCode, Next, ObserverView, PlanDesign, system_random};
+pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OpenPlan, PlanDesign, system_random};
 pub use privacy::wider_permissions;
 pub use readings::ReadingRecord;
 pub use restore::Restoration;

@@ -87,17 +87,30 @@ pub enum Next {
 /// The plan of a study.
 pub(crate) struct Plan {
     pub id: i64,
-    washout_days: u32,
+    design: PlanDesign,
     secret: String,
 }
 
+/// A plan without readings yet: it can be changed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OpenPlan {
+    /// Its number, for [`Store::change_plan`].
+    pub id: i64,
+    /// Its observers.
+    pub observers: Vec<Name>,
+    /// Number, interval and order of its readings.
+    pub design: PlanDesign,
+}
+
 pub(crate) fn plan_of(connection: &Connection, study: &Name) -> Result<Option<Plan>, StoreError> {
-    let plans = audit::load(connection, "plans", "WHERE study = ?1", [study.as_str()], |row| {
-        Ok(Plan {
-            id: row.get("id")?,
+    let condition = "WHERE study = ?1 AND is_current = 1";
+    let plans = audit::load(connection, "plans", condition, [study.as_str()], |row| {
+        let design = PlanDesign {
+            repeats: row.get("repeats")?,
             washout_days: row.get("washout_days")?,
-            secret: row.get("secret")?,
-        })
+            proposals: row.get("proposals")?,
+        };
+        Ok(Plan { id: row.get("id")?, design, secret: row.get("secret")? })
     })?;
     Ok(plans.into_iter().next())
 }
@@ -132,50 +145,51 @@ impl Store {
         random: &mut dyn FnMut(&mut [u8]),
         by: &Signature,
     ) -> Result<usize, StoreError> {
-        let observers: BTreeSet<&Name> = observers.iter().collect();
         self.write(by, |ledger| {
-            let transaction = ledger.transaction;
-            films::open_study(transaction, study)?;
-            if films::is_planned(transaction, study)? {
+            films::open_study(ledger.transaction, study)?;
+            if films::is_planned(ledger.transaction, study)? {
                 return Err(StoreError::Exists { object: format!("the plan of study/{study}") });
             }
-            let films = films::films(transaction, study)?;
-            let slots = check(films.len(), observers.len(), design.repeats)?;
-            if !readings::of_study(transaction, study)?.is_empty() {
-                return Err(StoreError::BadPlan { needs: "a study without readings" });
-            }
-            let plan = next_id(transaction, "plans", "id")?;
-            let secret = draw_secret(random);
-            transaction.execute(
-                "INSERT INTO plans VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-                params![
-                    plan,
-                    study.as_str(),
-                    design.repeats,
-                    design.washout_days,
-                    secret,
-                    design.proposals
-                ],
-            )?;
-            ledger.seal("plan", "plans", &plan)?;
-            let films: Vec<FilmId> = films.iter().map(|film| film.id).collect();
-            let mut codes = taken_codes(transaction)?;
-            for &observer in &observers {
-                let rounds = (1..=design.repeats).flat_map(|repeat| {
-                    let order = round(&secret, study, observer, repeat, &films);
-                    order.into_iter().map(move |film| (film, repeat))
-                });
-                for (place, (film, repeat)) in (1_i64..).zip(rounds) {
-                    let code = draw_code(random, &mut codes);
-                    transaction.execute(
-                        "INSERT INTO slots VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-                        params![code, plan, observer.as_str(), place, film.0, repeat],
-                    )?;
-                    ledger.seal("plan", "slots", &code)?;
-                }
-            }
-            Ok(slots)
+            insert(ledger, study, observers, design, random)
         })
+    }
+
+    /// Replaces a plan that has no readings yet. Its codes become invalid.
+    ///
+    /// # Errors
+    /// [`StoreError::BadPlan`], also where a reading was begun; [`StoreError::PlanReplaced`] where another plan replaced it before;
+    /// [`StoreError::Archived`]; [`StoreError::Unknown`] for a study without a plan.
+    pub fn change_plan(
+        &mut self,
+        study: &Name,
+        plan: i64,
+        observers: &[Name],
+        design: PlanDesign,
+        random: &mut dyn FnMut(&mut [u8]),
+        by: &Signature,
+    ) -> Result<usize, StoreError> {
+        self.write(by, |ledger| {
+            films::open_study(ledger.transaction, study)?;
+            let now = plan_of(ledger.transaction, study)?.ok_or_else(|| no_plan(study))?;
+            if now.id != plan {
+                return Err(StoreError::PlanReplaced { study: study.clone() });
+            }
+            ledger.transaction.execute("UPDATE plans SET is_current = 0 WHERE id = ?1", [plan])?;
+            ledger.seal("replace", "plans", &plan)?;
+            insert(ledger, study, observers, design, random)
+        })
+    }
+
+    /// The plan of a study, if it can be changed.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn open_plan(&self, study: &Name) -> Result<Option<OpenPlan>, StoreError> {
+        let snapshot = self.connection.unchecked_transaction()?;
+        let begun = !readings::of_study(&snapshot, study)?.is_empty();
+        let plan = plan_of(&snapshot, study)?.filter(|_| !begun);
+        let Some(Plan { id, design, .. }) = plan else { return Ok(None) };
+        Ok(Some(OpenPlan { id, observers: observers_of(&snapshot, study)?, design }))
     }
 
     /// Whether a study's readings are planned.
@@ -191,10 +205,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Database`].
     pub fn planned_observers(&self, study: &Name) -> Result<Vec<Name>, StoreError> {
-        let slots = slots_of(&self.connection, study, None)?;
-        let mut observers: Vec<Name> = slots.into_iter().map(|slot| slot.observer).collect();
-        observers.dedup();
-        Ok(observers)
+        observers_of(&self.connection, study)
     }
 
     /// Begins the planned reading of a code. The observer is the author.
@@ -265,6 +276,55 @@ impl Slot {
     }
 }
 
+fn observers_of(connection: &Connection, study: &Name) -> Result<Vec<Name>, StoreError> {
+    let slots = slots_of(connection, study, None)?;
+    let mut observers: Vec<Name> = slots.into_iter().map(|slot| slot.observer).collect();
+    observers.dedup();
+    Ok(observers)
+}
+
+/// A new plan of a study; returns the number of its readings.
+fn insert(
+    ledger: &Ledger<'_>,
+    study: &Name,
+    observers: &[Name],
+    design: PlanDesign,
+    random: &mut dyn FnMut(&mut [u8]),
+) -> Result<usize, StoreError> {
+    let transaction = ledger.transaction;
+    let observers: BTreeSet<&Name> = observers.iter().collect();
+    let films = films::films(transaction, study)?;
+    let slots = check(films.len(), observers.len(), design.repeats)?;
+    if !readings::of_study(transaction, study)?.is_empty() {
+        return Err(StoreError::BadPlan { needs: "a study without readings" });
+    }
+    let plan = next_id(transaction, "plans", "id")?;
+    let secret = draw_secret(random);
+    let PlanDesign { repeats, washout_days, proposals } = design;
+    transaction.execute(
+        "INSERT INTO plans VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1)",
+        params![plan, study.as_str(), repeats, washout_days, secret, proposals],
+    )?;
+    ledger.seal("plan", "plans", &plan)?;
+    let films: Vec<FilmId> = films.iter().map(|film| film.id).collect();
+    let mut codes = taken_codes(transaction)?;
+    for &observer in &observers {
+        let rounds = (1..=repeats).flat_map(|repeat| {
+            let order = round(&secret, study, observer, repeat, &films);
+            order.into_iter().map(move |film| (film, repeat))
+        });
+        for (place, (film, repeat)) in (1_i64..).zip(rounds) {
+            let code = draw_code(random, &mut codes);
+            transaction.execute(
+                "INSERT INTO slots VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+                params![code, plan, observer.as_str(), place, film.0, repeat],
+            )?;
+            ledger.seal("plan", "slots", &code)?;
+        }
+    }
+    Ok(slots)
+}
+
 fn check(films: usize, observers: usize, repeats: u32) -> Result<usize, StoreError> {
     let rounds = usize::try_from(repeats).unwrap_or(usize::MAX);
     match films.saturating_mul(observers).saturating_mul(rounds) {
@@ -330,7 +390,8 @@ fn taken_codes(connection: &Connection) -> Result<BTreeSet<String>, StoreError> 
 }
 
 fn own_slot(connection: &Connection, code: &FilmCode, who: &Name) -> Result<Slot, StoreError> {
-    let condition = "WHERE code = ?1 AND observer = ?2";
+    let condition = "WHERE code = ?1 AND observer = ?2
+                     AND plan IN (SELECT id FROM plans WHERE is_current = 1)";
     let own = params![code.as_str(), who.as_str()];
     let mut slots = audit::load(connection, "slots", condition, own, slot)?;
     slots.pop().ok_or(StoreError::OutOfTurn)
@@ -342,7 +403,7 @@ pub(crate) fn slots_of(
     study: &Name,
     observer: Option<&Name>,
 ) -> Result<Vec<Slot>, StoreError> {
-    let condition = "WHERE plan = (SELECT id FROM plans WHERE study = ?1)
+    let condition = "WHERE plan = (SELECT id FROM plans WHERE study = ?1 AND is_current = 1)
                      AND (?2 IS NULL OR observer = ?2) ORDER BY observer, place";
     let parameters = params![study.as_str(), observer.map(Name::as_str)];
     audit::load(connection, "slots", condition, parameters, slot)
@@ -416,7 +477,7 @@ fn next(
         let rest = before.and_then(|reading| Some((reading.id, reading.rest_from?)));
         let Some((before, rest_from)) = rest else { return Ok(Next::Begin(film)) };
         // The exact time would reveal which earlier reading was of this film.
-        let until = rest_from.plus_days(plan.washout_days).midnight_after();
+        let until = rest_from.plus_days(plan.design.washout_days).midnight_after();
         let waits = now < until && !is_released(connection, plan.id, before, rest_from)?;
         return Ok(if waits { Next::Wait(until) } else { Next::Begin(film) });
     }

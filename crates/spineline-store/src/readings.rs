@@ -206,6 +206,7 @@ pub(crate) fn allows_proposals(
     reading: ReadingId,
 ) -> Result<bool, StoreError> {
     let forbidden = "SELECT 1 FROM readings JOIN films ON films.id = readings.film
-        JOIN plans ON plans.study = films.study WHERE readings.id = ?1 AND plans.proposals = 0";
+        JOIN plans ON plans.study = films.study WHERE readings.id = ?1 AND plans.proposals = 0
+        AND plans.is_current = 1";
     Ok(!connection.prepare(forbidden)?.exists([reading.0])?)
 }

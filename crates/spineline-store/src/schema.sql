@@ -104,18 +104,20 @@ CREATE TABLE conflicts (
 ) STRICT;
 CREATE INDEX conflicts_by_object ON conflicts (object, id);
 
--- Plans of blinded readings.
+-- Plans of blinded readings. A plan that is changed before its first reading stays, and another one replaces it.
 
 CREATE TABLE plans (
     id INTEGER PRIMARY KEY,
-    study TEXT NOT NULL UNIQUE REFERENCES studies (id),
+    study TEXT NOT NULL REFERENCES studies (id),
     repeats INTEGER NOT NULL CHECK (repeats >= 1),
     washout_days INTEGER NOT NULL CHECK (washout_days >= 0),
     -- The order of films follows from it.
     secret TEXT NOT NULL,
     -- Whether readers see vertebrae that the program proposes, and may accept them.
-    proposals INTEGER NOT NULL CHECK (proposals IN (0, 1))
+    proposals INTEGER NOT NULL CHECK (proposals IN (0, 1)),
+    is_current INTEGER NOT NULL CHECK (is_current IN (0, 1))
 ) STRICT;
+CREATE UNIQUE INDEX one_current_plan ON plans (study) WHERE is_current = 1;
 
 CREATE TABLE slots (
     code TEXT PRIMARY KEY,
@@ -125,7 +127,7 @@ CREATE TABLE slots (
     film INTEGER NOT NULL REFERENCES films (id),
     repeat INTEGER NOT NULL CHECK (repeat >= 1),
     UNIQUE (plan, observer, place),
-    UNIQUE (film, observer, repeat)
+    UNIQUE (plan, film, observer, repeat)
 ) STRICT;
 
 -- Model options of a study: a JSON array of names and values, which differ from the defaults. Edits are numbered, so that a

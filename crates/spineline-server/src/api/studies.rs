@@ -164,6 +164,23 @@ pub struct PlanView {
     pub blinded: bool,
     /// Next step of this reader.
     pub next: NextReading,
+    /// The plan itself, for an admin who does not read, until the first reading begins.
+    pub change: Option<OpenPlanView>,
+}
+
+/// A plan that can be changed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct OpenPlanView {
+    /// Its number.
+    pub plan: i64,
+    /// Observers.
+    pub observers: Vec<String>,
+    /// Readings per film and observer.
+    pub repeats: u32,
+    /// Days between two readings of a film by one observer.
+    pub washout_days: u32,
+    /// Whether readers see vertebrae that the program proposes, and may accept them.
+    pub proposals: bool,
 }
 
 /// Next step of a blinded reader.
@@ -204,12 +221,10 @@ pub struct NewPlan {
     /// Days between two readings of a film by one observer.
     pub washout_days: u32,
     /// Whether readers see vertebrae that the program proposes, and may accept them.
-    #[serde(default = "allowed")]
+    #[serde(default)]
     pub proposals: bool,
-}
-
-const fn allowed() -> bool {
-    true
+    /// Number of the plan that it replaces; absent for the first plan.
+    pub replaces: Option<i64>,
 }
 
 /// An uploaded film that is not part of a study yet.

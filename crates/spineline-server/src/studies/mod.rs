@@ -89,7 +89,7 @@ async fn edit_study(
     detail.await.map(Json)
 }
 
-/// Plans blinded readings. With accounts, every observer needs one that may edit the study.
+/// Plans blinded readings, or changes the plan before the first one. With accounts, every observer needs one that may edit the study.
 #[utoipa::path(post, path = "/api/studies/{study}/plan", params(("study" = String, Path)), request_body = NewPlan,
     responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
@@ -109,9 +109,13 @@ async fn plan(
         if asker.options().access == Access::Accounts {
             observers.iter().try_for_each(|name| may_read(store, &study, name))?;
         }
-        let NewPlan { repeats, washout_days, proposals, .. } = new;
+        let NewPlan { repeats, washout_days, proposals, replaces, .. } = new;
         let design = PlanDesign { repeats, washout_days, proposals };
-        store.reading_plan(&study, &observers, design, &mut system_random, &user.sign(now))?;
+        let (random, by) = (&mut system_random, user.sign(now));
+        match replaces {
+            None => store.reading_plan(&study, &observers, design, random, &by)?,
+            Some(plan) => store.change_plan(&study, plan, &observers, design, random, &by)?,
+        };
         asker.changes().send(&study, of_study(&user));
         detail(&asker, store, &user, &study)
     });

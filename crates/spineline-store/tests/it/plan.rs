@@ -402,3 +402,31 @@ fn an_empty_plan_or_a_plan_after_readings_is_refused() {
     let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);
     assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "a reading: {refused:?}");
 }
+
+#[test]
+fn a_plan_is_changed_until_its_first_reading_begins() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (study, lead) = (name("S-1"), by("lead", 4));
+    let before = store.open_plan(&study).expect("readable").expect("no reading yet");
+    assert_eq!((&before.observers[..], before.design), (&[name("A"), name("B")][..], DESIGN));
+    let Next::Begin(old) = next(&store, "A", minute(5)) else { panic!("a film") };
+    let design = PlanDesign { repeats: 1, washout_days: 0, proposals: false };
+    let change = |store: &mut Store, plan: i64| {
+        store.change_plan(&study, plan, &[name("A"), name("C")], design, &mut random(9), &lead)
+    };
+    assert_eq!(change(&mut store, before.id).expect("changed"), 5 * 2);
+    let again = change(&mut store, before.id);
+    assert!(matches!(again, Err(StoreError::PlanReplaced { .. })), "{again:?}");
+    let now = store.open_plan(&study).expect("readable").expect("no reading yet");
+    assert_eq!((&now.observers[..], now.design), (&[name("A"), name("C")][..], design));
+    let refused = store.begin_planned(&old.code, &by("A", 6));
+    assert!(matches!(refused, Err(StoreError::OutOfTurn)), "a code of the old plan: {refused:?}");
+    assert_eq!(next(&store, "B", minute(6)), Next::Done);
+    let Next::Begin(film) = next(&store, "A", minute(6)) else { panic!("a film") };
+    read_one(&mut store, &film, "A", 7);
+    assert_eq!(store.open_plan(&study).expect("readable"), None);
+    let late = change(&mut store, now.id);
+    assert!(matches!(late, Err(StoreError::BadPlan { .. })), "{late:?}");
+    assert!(store.verify(None).expect("verifiable").is_clean());
+}

@@ -68,9 +68,9 @@ pub enum StudyCommand {
         /// Washout period: days between two readings of one film by one observer
         #[arg(long, default_value_t = 14)]
         washout_days: u32,
-        /// Show no proposed vertebrae: observers who accept them share the program's model, and agree better than by clicks
+        /// Show proposed vertebrae: observers who accept them share the program's model, and agree better than by clicks
         #[arg(long)]
-        no_proposals: bool,
+        proposals: bool,
     },
     /// Print the code of the film that an observer reads next
     Next {

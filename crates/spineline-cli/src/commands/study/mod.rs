@@ -42,9 +42,9 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             Ok(Ending::Done)
         }
         StudyCommand::List { .. } => print(Lines::of_text(&list(&view(path)?).map_err(fail)?)),
-        StudyCommand::Plan { study, observers, repeats, washout_days, no_proposals, .. } => {
+        StudyCommand::Plan { study, observers, repeats, washout_days, proposals, .. } => {
             let (repeats, washout_days) = (*repeats, *washout_days);
-            let design = PlanDesign { repeats, washout_days, proposals: !no_proposals };
+            let design = PlanDesign { repeats, washout_days, proposals: *proposals };
             plan(path, study, observers, design, &by()?)
         }
         StudyCommand::Next { study, observer, .. } => next(path, study, observer),
@@ -82,7 +82,7 @@ fn plan(
         counted(readings, "reading"),
         counted(design.repeats, "time"),
         counted(design.washout_days, "day"),
-        if design.proposals { "" } else { ", without proposed vertebrae" }
+        if design.proposals { ", with proposed vertebrae" } else { "" }
     ))
 }
 
