@@ -115,7 +115,21 @@ test.describe("with films of one phantom", () => {
     await confirm(erect, "erect");
     await page.getByRole("textbox", { name: "Identifier" }).fill("growing");
     await page.getByRole("button", { name: "Create the study" }).click();
-    await page.getByRole("link", { name: "Add films…" }).click({ timeout: 60_000 });
+    // Nobody has read the film: its side and its scale can be corrected in one dialog.
+    await page.getByRole("button", { name: "Edit this film…" }).click({ timeout: 60_000 });
+    const edit = page.getByRole("dialog", { name: "Edit this film" });
+    await edit.getByRole("radio", { name: "left of the picture" }).check();
+    await edit.getByRole("checkbox", { name: "Enter another scale" }).check();
+    await expect(edit.getByRole("button", { name: "Change the film" })).toBeDisabled();
+    for (const name of ["between columns, mm", "between rows, mm"])
+      await edit.getByLabel(name).fill("0.25");
+    await edit.getByRole("combobox", { name: /^plane/ }).selectOption("patient");
+    await expectAccessible(page);
+    await shot(page, "edit-film");
+    await edit.getByRole("button", { name: "Change the film" }).click();
+    await expect(edit).toBeHidden();
+    await expect(page.getByTestId("spacing")).toContainText("0.250 mm × 0.250 mm");
+    await page.getByRole("link", { name: "Add films…" }).click();
     await expect(page.getByRole("heading", { name: "Add films to growing" })).toBeVisible();
     await expectAccessible(page);
     await confirm(erect, "erect");

@@ -52,7 +52,7 @@ pub use analysis_file::{
     AnalysisFile, StoredAnalysis, parse_analysis, parse_case_within, picture_warnings,
 };
 pub use case_file::{
-    CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_spacing,
+    CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_geometry,
     written_axis_deg,
 };
 pub use cohort_file::CohortFile;

@@ -99,6 +99,9 @@ fn words(error: &StoreError) -> String {
         StoreError::NotYours { .. } => "this reading belongs to another observer".to_owned(),
         StoreError::Withdrawn { .. } => "this reading is withdrawn".to_owned(),
         StoreError::NotFinished { .. } => "this reading is not finished".to_owned(),
+        StoreError::HasReading { .. } => {
+            "readings of this film name its landmarks by the patient's side".to_owned()
+        }
         StoreError::NoReason { .. } => "a withdrawal needs a reason".to_owned(),
         StoreError::BadEvent { reason, .. } => (*reason).to_owned(),
         StoreError::Incomplete { level, corners, .. } => {

@@ -273,6 +273,14 @@ pub enum StoreError {
         /// Film.
         film: FilmId,
     },
+    /// Another side of the patient on a film whose landmarks are named by the present one.
+    #[error("{reading} names the landmarks of {film} by the patient's side")]
+    HasReading {
+        /// Film.
+        film: FilmId,
+        /// Reading.
+        reading: ReadingId,
+    },
     /// A case file cannot hold the stored data.
     #[error("the study cannot be exported as a case: {0}")]
     Case(#[from] spineline_files::FileError),
@@ -356,6 +364,7 @@ impl StoreError {
             Self::ViewTwice { view: FilmView::Lateral, .. } => "choose one lateral film",
             Self::ViewTwice { .. } => "correct the posture of one of them",
             Self::NotFrontal { .. } => "make a new study with this film as a frontal one",
+            Self::HasReading { .. } => "withdraw all readings of the film first",
             Self::Case(error) => error.help(),
         }
     }

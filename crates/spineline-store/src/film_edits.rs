@@ -1,9 +1,9 @@
 //! Changes of a film's record.
 
-use rusqlite::params;
+use rusqlite::{Connection, params};
 use serde_json::Value;
-use spineline::anatomy::{FilmView, Posture};
-use spineline::measure::Spacing;
+use spineline::anatomy::{FilmView, ImageSide, Posture};
+use spineline::measure::{ImageGeometry, Spacing};
 
 use crate::conflicts::{Acknowledged, keep_lost};
 use crate::connection::Store;
@@ -11,6 +11,7 @@ use crate::error::StoreError;
 use crate::films::{self, FilmRecord, Stated};
 use crate::names::{FilmId, Signature};
 use crate::plan;
+use crate::readings::{self, ReadingRecord};
 
 /// A change of a film's record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +22,9 @@ pub enum FilmEdit {
     Inverted(bool),
     /// Set the spacing.
     Spacing(Spacing),
+    /// Correct the side of the picture on which the patient's left is, or the patient's front on the lateral film. Landmarks are
+    /// named by it, so the film must not have readings.
+    PatientLeft(ImageSide),
     /// State that a person compared the film with the patient's records, or not. Another posture ends the statement.
     Checked(bool),
 }
@@ -32,6 +36,7 @@ impl FilmEdit {
                 "column_spacing_mm": spacing.column_mm, "row_spacing_mm": spacing.row_mm,
                 "spacing_plane": spacing.plane.key(), "spacing_source": spacing.source.key(),
             }),
+            Self::PatientLeft(side) => serde_json::json!({ "patient_left": side.key() }),
             Self::Posture(posture) => serde_json::json!({ "posture": posture.key() }),
             Self::Inverted(inverted) => serde_json::json!({ "inverted": inverted }),
             Self::Checked(checked) => serde_json::json!({ "checked": checked }),
@@ -51,7 +56,13 @@ impl FilmEdit {
             },
             Self::Inverted(inverted) => FilmRecord { inverted, ..film },
             Self::Spacing(spacing) => {
-                let image = spineline_files::with_spacing(&film.image, film.view, spacing)?;
+                let set = |image: &mut ImageGeometry| image.spacing = Some(spacing);
+                let image = spineline_files::with_geometry(&film.image, film.view, set)?;
+                FilmRecord { image, ..film }
+            }
+            Self::PatientLeft(side) => {
+                let set = |image: &mut ImageGeometry| image.patient_left = side;
+                let image = spineline_files::with_geometry(&film.image, film.view, set)?;
                 FilmRecord { image, ..film }
             }
             Self::Checked(checked) => {
@@ -67,7 +78,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::PlanRuns`] until all planned readings are finished; [`StoreError::Archived`];
     /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
-    /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::Case`] for a spacing where a case file
+    /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::HasReading`] for the patient's side of a read film; [`StoreError::Case`] for a spacing where a case file
     /// cannot have the image's description.
     pub fn edit_film(
         &mut self,
@@ -86,6 +97,9 @@ impl Store {
                 return keep_lost(ledger, object, expected_revision, now.revision, &change)
                     .map(Err);
             }
+            if let FilmEdit::PatientLeft(_) = edit {
+                need_unread(ledger.transaction, &now)?;
+            }
             let revision = now.revision + 1;
             let FilmRecord { view, image, stated, inverted, .. } = edit.applied(now)?;
             ledger.transaction.execute(
@@ -95,5 +109,15 @@ impl Store {
             let sequence = ledger.seal("edit", "films", &film.0)?;
             Ok(Ok(Acknowledged { sequence, revision }))
         })?
+    }
+}
+
+/// Refuses a film with a reading that is not withdrawn.
+fn need_unread(connection: &Connection, film: &FilmRecord) -> Result<(), StoreError> {
+    let readings = readings::of_study(connection, &film.study)?;
+    let stands = |one: &&ReadingRecord| one.film == film.id && one.withdrawn.is_none();
+    match readings.iter().find(stands) {
+        Some(reading) => Err(StoreError::HasReading { film: film.id, reading: reading.id }),
+        None => Ok(()),
     }
 }

@@ -3,18 +3,22 @@ import { filmViews, imageSideWord, viewWord } from "../shell/words";
 
 export type ScaleKind = Api<"ScaleChoice">["kind"];
 
+/** A scale that a person enters; null means open. */
+export interface StatedSpacing {
+  column_mm: number | null;
+  row_mm: number | null;
+  plane: Api<"SpacingPlaneName"> | null;
+}
+
 /** Answers about a film; null means open. */
-export interface Answers {
+export interface Answers extends StatedSpacing {
   posture: Api<"FilmViewName"> | null;
   /** On a lateral film, the side of the patient's front. */
   patient_left: Api<"ImageSideName"> | null;
   /** Whether a lateral film was exposed together with the erect one. */
   simultaneous: boolean;
+  /** The distances and their plane belong to a stated one. */
   scale: ScaleKind | null;
-  /** Only with a stated scale. */
-  column_mm: number | null;
-  row_mm: number | null;
-  plane: Api<"SpacingPlaneName"> | null;
   inverted: boolean;
 }
 
@@ -135,12 +139,21 @@ export function filmOf(answers: Answers, view: Api<"UploadView">): Api<"NewFilm"
   return { upload, posture, patient_left, simultaneous, scale: scaleOf(answers), inverted };
 }
 
-function scaleOf({ posture, scale, column_mm, row_mm, ...rest }: Answers): Api<"ScaleChoice"> {
-  if (scale !== "stated") return { kind: scale ?? "pixels" };
+function scaleOf(answers: Answers): Api<"ScaleChoice"> {
+  if (answers.scale !== "stated") return { kind: answers.scale ?? "pixels" };
+  const stated = statedScale(answers, answers.posture === "lateral");
+  if (!stated) throw new Error("a film has open questions");
+  return stated;
+}
+
+/** A scale that a person entered completely. */
+export function statedScale(
+  { column_mm, row_mm, ...rest }: StatedSpacing,
+  isLateral: boolean,
+): (Api<"ScaleChoice"> & { kind: "stated" }) | null {
   // The scale of a lateral film is compared with the erect film's, in any plane.
-  const plane = posture === "lateral" ? "unknown" : rest.plane;
-  if (column_mm === null || row_mm === null || plane === null)
-    throw new Error("a film has open questions");
+  const plane = isLateral ? "unknown" : rest.plane;
+  if (column_mm === null || row_mm === null || plane === null) return null;
   return { kind: "stated", column_mm, row_mm, plane };
 }
 

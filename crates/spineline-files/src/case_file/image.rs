@@ -125,16 +125,21 @@ fn json(record: impl Serialize) -> Value {
     serde_json::to_value(record).expect("string keys only")
 }
 
-/// The `image` of a case's film with other distances between its pixels.
+/// The `image` of a case's film with another geometry.
 ///
 /// # Errors
 /// [`FileError`].
-pub fn with_spacing(image: &Value, view: FilmView, spacing: Spacing) -> Result<Value, FileError> {
+pub fn with_geometry(
+    image: &Value,
+    view: FilmView,
+    change: impl FnOnce(&mut ImageGeometry),
+) -> Result<Value, FileError> {
     let source = match view {
         FilmView::Frontal(_) => record(image)?.source(),
         FilmView::Lateral => lateral_record(image)?.source(),
     };
-    let geometry = ImageGeometry { spacing: Some(spacing), ..parse_image(image, view)? };
+    let mut geometry = parse_image(image, view)?;
+    change(&mut geometry);
     Ok(image_value(view, &geometry, source))
 }
 

@@ -15,7 +15,7 @@ use spineline::spatial::{Angle, Frontal};
 use crate::FileError;
 use crate::json::parse;
 use crate::keys::ByLevel;
-pub use image::{FilmSource, image_value, parse_image, with_spacing};
+pub use image::{FilmSource, image_value, parse_image, with_geometry};
 use image::{ImageRecord, pair, pixel};
 use lateral::LateralRecord;
 

@@ -408,6 +408,21 @@ pub enum FilmEditName {
         /// Whether this is so.
         checked: bool,
     },
+    /// Correct the side of the picture on which the patient's left is; of the lateral film, the patient's front. The film must not have
+    /// readings.
+    PatientLeft {
+        /// Correct side.
+        patient_left: ImageSideName,
+    },
+    /// Set the scale to distances that are known.
+    Stated {
+        /// Distance between neighbouring columns.
+        column_mm: f64,
+        /// Distance between neighbouring rows.
+        row_mm: f64,
+        /// Plane of these millimetres.
+        plane: SpacingPlaneName,
+    },
     /// Set the scale with a ball or a ruler in the picture.
     Scale {
         /// First point.

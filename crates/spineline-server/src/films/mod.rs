@@ -8,7 +8,7 @@ pub use uploads::stage;
 use axum::extract::State;
 use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
-use spineline::measure::ImageGeometry;
+use spineline::measure::{ImageGeometry, Spacing};
 use spineline::spatial::Pixel;
 use spineline_marking::Calibration;
 use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Role};
@@ -118,6 +118,11 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
         FilmEditName::Posture { posture } => FilmEdit::Posture(posture.0),
         FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
         FilmEditName::Checked { checked } => FilmEdit::Checked(checked),
+        FilmEditName::PatientLeft { patient_left } => FilmEdit::PatientLeft(patient_left.0),
+        FilmEditName::Stated { column_mm, row_mm, plane } => {
+            let spacing = studies::stated_spacing([column_mm, row_mm], plane.0)?;
+            sized(&film.geometry()?, spacing, "enter another scale")?
+        }
         FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
             let image = film.geometry()?;
             let calibration = Calibration {
@@ -133,13 +138,18 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
                 Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string())
                     .help("place two points on an object of known length")
             })?;
-            ImageGeometry { spacing: Some(spacing), ..image }.check_size().map_err(|error| {
-                Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string())
-                    .help("check the true length and the two points")
-            })?;
-            FilmEdit::Spacing(spacing)
+            sized(&image, spacing, "check the true length and the two points")?
         }
     })
+}
+
+/// A scale that does not make the film larger or smaller than films of a spine are.
+fn sized(image: &ImageGeometry, spacing: Spacing, help: &str) -> Answer<FilmEdit> {
+    let scaled = ImageGeometry { spacing: Some(spacing), ..*image };
+    scaled.check_size().map_err(|error| {
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string()).help(help)
+    })?;
+    Ok(FilmEdit::Spacing(spacing))
 }
 
 async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {

@@ -74,6 +74,9 @@ fn words(change: &Value) -> String {
         Some("note") => format!("note: {}", change["text"].as_str().unwrap_or_default()),
         Some(kind @ ("undo" | "redo" | "finish")) => kind.to_owned(),
         _ if !change["posture"].is_null() => format!("posture to {}", word("posture")),
+        _ if !change["patient_left"].is_null() => {
+            format!("patient's left on the {}", word("patient_left"))
+        }
         _ if !change["inverted"].is_null() => inverted(&change["inverted"]),
         _ if change["archived"] == true => "study archived".to_owned(),
         _ if change["archived"] == false => "study restored".to_owned(),

@@ -283,21 +283,8 @@ fn prepared_film(
             .spacing
             .filter(|spacing| !spacing.is_square())
             .map(|spacing| Spacing::of_aspect(spacing.aspect(), SpacingSource::PixelAspect)),
-        ScaleChoice::Stated { column_mm, row_mm, plane } if plane.0 == SpacingPlane::Pixels => {
-            let stated = Spacing::of_aspect(row_mm / column_mm, SpacingSource::Stated);
-            if !stated.is_plausible() {
-                let text = format!("pixels of {column_mm} × {row_mm} are not plausible");
-                return Err(refused(&text).help("enter the width and height of a pixel"));
-            }
-            Some(stated)
-        }
         ScaleChoice::Stated { column_mm, row_mm, plane } => {
-            let stated = Spacing::stated(column_mm, row_mm, plane.0);
-            if !stated.is_plausible() {
-                let text = format!("a spacing of {column_mm} mm × {row_mm} mm is not plausible");
-                return Err(refused(&text).help("enter the distance between pixel centres in mm"));
-            }
-            Some(stated)
+            Some(stated_spacing([column_mm, row_mm], plane.0)?)
         }
     };
     let geometry = ImageGeometry {
@@ -319,6 +306,31 @@ fn prepared_film(
         inverted: film.inverted,
     };
     Ok((bytes, image_value(film.posture.0, &geometry, source)))
+}
+
+/// The spacing that a person enters: between columns and between rows.
+pub fn stated_spacing([column_mm, row_mm]: [f64; 2], plane: SpacingPlane) -> Answer<Spacing> {
+    let is_shape = plane == SpacingPlane::Pixels;
+    let stated = if is_shape {
+        Spacing::of_aspect(row_mm / column_mm, SpacingSource::Stated)
+    } else {
+        Spacing::stated(column_mm, row_mm, plane)
+    };
+    if stated.is_plausible() {
+        return Ok(stated);
+    }
+    let [text, help] = if is_shape {
+        [
+            format!("pixels of {column_mm} × {row_mm} are not plausible"),
+            "enter the width and height of a pixel".to_owned(),
+        ]
+    } else {
+        [
+            format!("a spacing of {column_mm} mm × {row_mm} mm is not plausible"),
+            "enter the distance between pixel centres in mm".to_owned(),
+        ]
+    };
+    Err(refused(&text).help(help))
 }
 
 /// De-identifies a film's file.

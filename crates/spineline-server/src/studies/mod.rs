@@ -22,6 +22,7 @@ use crate::state::AppState;
 use crate::user::User;
 
 pub use detail::{detail, of_study};
+pub use make::stated_spacing;
 pub use summary::{film_summary, study_summary};
 
 pub fn routes() -> OpenApiRouter<AppState> {

@@ -2,6 +2,8 @@
 
 use axum::http::StatusCode;
 use serde_json::{Value, json};
+use spineline::anatomy::Posture;
+use spineline_store::{Role, Store};
 
 use crate::browser::{Answer, App, Browser, by, name};
 use crate::demo::{app_with_demo, demo};
@@ -40,24 +42,27 @@ fn a_study_is_renamed_archived_and_restored_by_who_may_edit_it() {
 fn a_reading_is_withdrawn_by_its_observer_or_an_admin() {
     let app = App::with_accounts();
     let (lead, editor) = (app.account("lead"), app.account("editor"));
-    let mut store = spineline_store::Store::open(&app.store_path()).expect("a store");
-    store
-        .grant(&name("S-2"), &name("editor"), spineline_store::Role::Editor, &by("lead"))
-        .expect("a grant");
-    let begun = editor.post("/api/films/1/readings", &json!({ "repeat": 1 })).json();
-    let own = begun["reading"].as_i64().expect("a number");
+    let mut store = Store::open(&app.store_path()).expect("a store");
+    store.grant(&name("S-2"), &name("editor"), Role::Editor, &by("lead")).expect("a grant");
+    let image = json!({ "columns": 10, "rows": 10, "patient_left": "image_left" });
+    let added = store.add_film(&name("S-2"), Posture::Neutral, b"a film", &image, &by("lead"));
+    let film = added.expect("a film").film.0;
+    let begin = |browser: &Browser<'_>, film: i64, repeat: u32| {
+        let path = format!("/api/films/{film}/readings");
+        let begun = browser.post(&path, &json!({ "repeat": repeat })).json();
+        begun["reading"].as_i64().expect("a number")
+    };
     let withdraw = |browser: &Browser<'_>, reading: i64| {
         let reason = json!({ "reason": "another patient" });
         browser.post(&format!("/api/readings/{reading}/withdrawal"), &reason)
     };
-    // Reading 1 is of the lead.
-    assert_eq!(withdraw(&editor, 1).status, StatusCode::FORBIDDEN);
+    let (own, other) = (begin(&editor, film, 1), begin(&lead, film, 1));
+    assert_eq!(withdraw(&editor, other).status, StatusCode::FORBIDDEN);
     let withdrawn = withdraw(&editor, own);
     assert_eq!(withdrawn.json()["withdrawn"]["reason"], "another patient");
     assert_eq!(withdraw(&lead, own).code(), "withdrawn");
-    assert_eq!(withdraw(&lead, 1).status, StatusCode::OK);
-    let own = lead.post("/api/films/1/readings", &json!({ "repeat": 1 })).json();
-    assert_eq!(withdraw(&lead, own["reading"].as_i64().expect("a number")).status, StatusCode::OK);
+    let second = begin(&editor, film, 2);
+    assert_eq!(withdraw(&lead, second).json()["withdrawn"]["who"], "lead");
 }
 
 #[test]
@@ -90,4 +95,29 @@ fn films_are_added_to_a_study_once_and_not_to_a_planned_one() {
     let late = json!({ "films": [film(3, "neutral")] });
     let refused = browser.post("/api/studies/blind/films", &late);
     assert!(refused.text().contains("has a reading plan"), "{}", refused.text());
+}
+
+#[test]
+fn the_side_of_the_patient_is_corrected_before_a_film_is_read_and_a_scale_is_entered() {
+    let app = app_with_demo();
+    let browser = app.observer("Ann");
+    add_unread_study(&app);
+    let film = browser.get("/api/studies/blind").json()["summary"]["films"][0].clone();
+    let number = film["film"].as_i64().expect("a number");
+    let edit = |revision: u64, edit: Value| {
+        let body = json!({ "expected_revision": revision, "edit": edit });
+        browser.post(&format!("/api/films/{number}/edits"), &body)
+    };
+    let other = if film["patient_left"] == "image_left" { "image_right" } else { "image_left" };
+    let side = json!({ "kind": "patient_left", "patient_left": other });
+    assert_eq!(edit(0, side.clone()).json()["patient_left"], other);
+    let stated =
+        |mm: f64| json!({ "kind": "stated", "column_mm": mm, "row_mm": mm, "plane": "patient" });
+    assert_eq!(edit(1, stated(0.25)).json()["row_mm"], 0.25);
+    assert_eq!(edit(2, stated(2000.0)).status, StatusCode::UNPROCESSABLE_ENTITY);
+    let begun = browser.post(&format!("/api/films/{number}/readings"), &json!({ "repeat": 1 }));
+    assert_eq!(begun.status, StatusCode::OK);
+    let refused = edit(2, side);
+    assert_eq!((refused.status, refused.code().as_str()), (StatusCode::CONFLICT, "has_reading"));
+    assert_eq!(edit(2, stated(0.2)).json()["row_mm"], 0.2, "a scale holds for all readings");
 }
