@@ -21,12 +21,8 @@ export function failed(what: string, error: unknown, onretry?: () => void): Mess
   };
 }
 
-/** An error of the landmarks, with its vertebra where the text does not begin with it; a doubted click can be undone at once. */
-export const faulty = (
-  { severity, code, level, text }: Api<"Notice">,
-  undo?: () => void,
-): Message => ({
+/** An error of the landmarks, with its vertebra where the text does not begin with it. */
+export const faulty = ({ severity, level, text }: Api<"Notice">): Message => ({
   severity,
   text: level && !text.startsWith(level) ? `${level}: ${text}` : text,
-  ...(code === "landmark_far" && undo ? { action: { label: "Undo", run: undo } } : {}),
 });
