@@ -125,7 +125,8 @@ class Model(_Exportable[_native.Model]):
         return Simulation(self, (text, tilt, largest_factor, support), allow_unusable=allow_unusable)
 
     def to_mujoco(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Writes the model for MuJoCo (MJCF), in m, N and rad; whole or not at all. Returns the path.
+        """Writes the model for MuJoCo (MJCF), in m, N and rad, with a keyframe and a force per film; whole or not at all. Returns the
+        path.
 
         Raises
         ------
@@ -134,8 +135,19 @@ class Model(_Exportable[_native.Model]):
         """
         return export(path, self._native.export("mjcf"), overwrite=overwrite)
 
+    def to_opensim_films(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Writes the pose of every film as a motion (`.sto`) of the model from :meth:`to_opensim`, in rad; whole or not at all.
+        Returns the path.
+
+        Raises
+        ------
+        OSError
+            As :meth:`save`.
+        """
+        return export(path, self._native.export("sto"), overwrite=overwrite)
+
     def to_opensim(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Writes the model for OpenSim 4, in m, N and rad; whole or not at all. Returns the path.
+        """Writes the model for OpenSim 4, in m, N and rad, with a force per film; whole or not at all. Returns the path.
 
         Raises
         ------

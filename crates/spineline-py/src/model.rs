@@ -106,12 +106,12 @@ impl Model {
         self.text.clone()
     }
 
-    /// The model in the format of another program: `mjcf`, `osim`, `urdf`, `vtp` or `gltf`.
+    /// The model in the format of another program: `mjcf`, `osim`, `sto`, `urdf`, `vtp` or `gltf`.
     fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
         let Ok(format) = format.parse::<ExportFormat>() else {
             let text = format!("unknown format `{format}`");
-            return Err(Fault::new(text, "give \"mjcf\", \"osim\", \"urdf\", \"vtp\" or \"gltf\"")
-                .raise(py));
+            let help = "give \"mjcf\", \"osim\", \"sto\", \"urdf\", \"vtp\" or \"gltf\"";
+            return Err(Fault::new(text, help).raise(py));
         };
         let written = export(&self.model, format, &generator());
         written.map_err(|error| Fault::new(&error, error.help()).raise(py))

@@ -34,6 +34,8 @@ Examples:
       mujoco.MjModel.from_xml_path('spine.xml')
   spineline export model.json --to osim --out spine.osim
       opensim.Model('spine.osim').initSystem(), or File > Open Model in OpenSim
+  spineline export model.json --to sto --out films.sto
+      opensim.TimeSeriesTable('films.sto'), or File > Load Motion in OpenSim
   spineline export model.json --to urdf --out spine.urdf
       pinocchio.buildModelFromUrdf('spine.urdf')
   spineline export model.json --to vtp --out spine.vtp
@@ -46,9 +48,10 @@ Examples:
 
 MJCF, OpenSim and URDF are in metres, newtons and radians. MJCF and URDF keep x anterior, y left, z cranial; OpenSim has x anterior, \
 y cranial, z right. MJCF and OpenSim contain the springs; URDF has no element for springs, so they are in its `gazebo` \
-elements. `vtp` (VTK, for 3D Slicer and ParaView) and `gltf` have the vertebral bodies as boxes, with lateral tilt, pitch and axial \
-rotation in degrees, and no joints. VTK is in mm, x left, y posterior, z cranial; glTF in metres, x left, y cranial, z anterior. The comment at the top of each model lists the loads of the films. Masses and damping \
-are nominal.
+elements. MJCF has a keyframe and a force for every film; OpenSim has a force for every film, and `sto` has the poses of the films. \
+URDF has no place for them. `vtp` (VTK, for 3D Slicer and ParaView) and `gltf` have the vertebral bodies as boxes, with lateral tilt, pitch and axial \
+rotation in degrees, and no joints. VTK is in mm, x left, y posterior, z cranial; glTF in metres, x left, y cranial, z anterior. The comment at the top of each model lists the forces of the films. Masses, damping and \
+armature are nominal.
 
 Landmarks are named by the patient's sides. CSV and COCO hold all frontal films in one file; Slicer gets one file per film; \
 labelme and DICOM SR one per reading. labelme and COCO name the picture of a film, or POSTURE.png where the case has a DICOM \
@@ -60,7 +63,7 @@ pub struct ExportArgs {
     /// Model file, from `spineline analyze CASE --model FILE`; or a case file, for its landmarks
     #[arg(value_name = "MODEL|CASE")]
     file: PathBuf,
-    /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4, `urdf` for Pinocchio, Gazebo, Drake and others;
+    /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4 with the poses of the films as `sto`, `urdf` for Pinocchio, Gazebo, Drake and others;
     /// vertebral bodies as `vtp` for 3D Slicer and ParaView, or `gltf`; of landmarks,
     /// `csv`, `lateral-csv` of the lateral film, `slicer` for 3D Slicer, `labelme`, `coco` for COCO keypoints, `dicom-sr` for a DICOM report
     #[arg(long, value_enum, value_name = "FORMAT")]
@@ -214,7 +217,7 @@ fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {
         FileError::Format { found, .. } if found == "spineline-model" => Failure::input(
             &path.display().to_string(),
             &error,
-            "landmarks belong to a case; export a model to mjcf, osim, urdf, vtp or gltf",
+            "landmarks belong to a case; export a model to mjcf, osim, sto, urdf, vtp or gltf",
         ),
         _ => Failure::file(path, &error),
     })

@@ -43,7 +43,7 @@ const TO_FILE: [&[&str]; 20] = [
     &["simulate", "model.json", "--push", "left", "--force", "10", "--svg"],
     &["export", "model.json", "--to", "mjcf", "--out"],
     &["export", "model.json", "--to", "osim", "--out"],
-    &["export", "model.json", "--to", "urdf", "--out"],
+    &["export", "model.json", "--to", "sto", "--out"],
     &["export", "case.json", "--to", "csv", "--out"],
     &["export", "case.json", "--to", "slicer", "--posture", "erect", "--out"],
     &["export", "case.json", "--to", "coco", "--out"],

@@ -5,14 +5,10 @@ use spineline::anatomy::Morphometry;
 use spineline::multibody::Support;
 use spineline::spatial::{Angle, Mat3, Vec3};
 
+use super::films::{Film, films};
 use super::format::{ExportError, ExportFormat};
+use super::nominal::Nominal;
 use super::rotation::body_xyz;
-
-/// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without them. No equilibrium
-/// depends on them.
-pub(super) const NOMINAL_MASS_KG: f64 = 0.1;
-/// See [`NOMINAL_MASS_KG`].
-pub(super) const NOMINAL_INERTIA_KG_M2: f64 = 1e-4;
 
 /// The three hinges of a joint, in the order in which they follow one another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,13 +62,6 @@ pub(super) struct Hinge {
     pub(super) locked: bool,
 }
 
-impl Hinge {
-    /// Nominal damping in N·m·s/rad: the stiffness times `seconds`. No equilibrium depends on it.
-    pub(super) fn damping(&self, seconds: f64) -> f64 {
-        seconds * self.nm_per_rad
-    }
-}
-
 /// A joint: three hinges at one centre.
 #[derive(Debug)]
 pub(super) struct Joint {
@@ -94,6 +83,12 @@ impl Joint {
     /// The hinges that are not locked.
     pub(super) fn free(&self) -> impl Iterator<Item = &Hinge> {
         self.hinges.iter().filter(|hinge| !hinge.locked)
+    }
+
+    /// Of every hinge in rad/(N·m); zero where it is locked.
+    fn compliances(&self) -> Vec<f64> {
+        let of = |hinge: &Hinge| if hinge.locked { 0.0 } else { 1.0 / hinge.nm_per_rad };
+        self.hinges.iter().map(of).collect()
     }
 
     /// The inferior vertebra's axes in the superior vertebra's, erect.
@@ -137,6 +132,8 @@ impl Vertebra {
 pub(super) struct Assembly {
     pub(super) vertebrae: Vec<Vertebra>,
     pub(super) joints: Vec<Joint>,
+    pub(super) films: Vec<Film>,
+    pub(super) nominal: Nominal,
 }
 
 impl Assembly {
@@ -147,7 +144,9 @@ impl Assembly {
         format: ExportFormat,
     ) -> Result<Self, ExportError> {
         let joints = (0..model.spine.joints.len()).map(|j| joint(model, j, format));
-        Ok(Self { vertebrae, joints: joints.collect::<Result<_, _>>()? })
+        let joints: Vec<Joint> = joints.collect::<Result<_, _>>()?;
+        let compliances: Vec<Vec<f64>> = joints.iter().map(Joint::compliances).collect();
+        Ok(Self { vertebrae, films: films(model)?, nominal: Nominal::of(&compliances), joints })
     }
 }
 

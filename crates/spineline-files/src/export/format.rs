@@ -1,6 +1,6 @@
 //! The formats of other programs, and what they cannot hold.
 
-use spineline::anatomy::Level;
+use spineline::anatomy::{Level, Posture};
 
 spineline::named! {
     /// A format of another program.
@@ -9,6 +9,8 @@ spineline::named! {
         Mjcf = "mjcf",
         /// An OpenSim 4 model.
         Osim = "osim",
+        /// Poses of the films as a motion of OpenSim.
+        Sto = "sto",
         /// Unified robot description format, with the springs in SDFormat's extension.
         Urdf = "urdf",
         /// Vertebral bodies as VTK's XML PolyData.
@@ -25,6 +27,7 @@ impl ExportFormat {
         match self {
             Self::Mjcf => "xml",
             Self::Osim => "osim",
+            Self::Sto => "sto",
             Self::Urdf => "urdf",
             Self::Vtp => "vtp",
             Self::Gltf => "gltf",
@@ -37,6 +40,7 @@ impl ExportFormat {
         match self {
             Self::Mjcf => "MuJoCo",
             Self::Osim => "OpenSim 4",
+            Self::Sto => "OpenSim 4; the pose of every film, as a motion of the `osim` model",
             Self::Urdf => "Pinocchio, Gazebo, Drake and others",
             Self::Vtp => "3D Slicer and ParaView; vertebral bodies with their angles, no joints",
             Self::Gltf => "Blender, ParaView and others; vertebral bodies, no joints",
@@ -48,6 +52,7 @@ impl ExportFormat {
     pub const fn media_type(self) -> &'static str {
         match self {
             Self::Mjcf | Self::Osim | Self::Urdf | Self::Vtp => "application/xml",
+            Self::Sto => "text/plain",
             Self::Gltf => "model/gltf+json",
         }
     }
@@ -62,6 +67,12 @@ pub enum ExportError {
     LevelTwice {
         /// The vertebra.
         level: Level,
+    },
+    /// Two films of one posture would have one name.
+    #[error("the {posture} film has two loads")]
+    FilmTwice {
+        /// The posture.
+        posture: Posture,
     },
     /// An invalid spring.
     #[error(
@@ -105,7 +116,7 @@ impl ExportError {
     #[must_use]
     pub const fn help(&self) -> &'static str {
         match self {
-            Self::LevelTwice { .. } | Self::Spring { .. } => {
+            Self::LevelTwice { .. } | Self::FilmTwice { .. } | Self::Spring { .. } => {
                 "write the model again with `spineline analyze CASE --model FILE`"
             }
             Self::Coupled { .. } => {

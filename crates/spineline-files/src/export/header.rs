@@ -1,13 +1,14 @@
 //! The comment at the top of every file: content, provenance, meaning of numbers.
 
 use spineline::action::Application;
-use spineline::analysis::{FilmLoad, PersonalisedModel};
+use spineline::analysis::PersonalisedModel;
 use spineline::multibody::Support;
 use spineline::spatial::Vec3;
 
-use super::assembly::{NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
+use super::assembly::Assembly;
+use super::films::Film;
 use super::standing::sources;
-use super::xml::{number, vector};
+use super::xml::vector;
 use crate::content::{ContentHash, ContentMark};
 use crate::to_line;
 
@@ -19,8 +20,10 @@ pub(super) struct Dialect {
     pub(super) frame: &'static str,
     /// Where springs and hinges are, and the limits of the format.
     pub(super) notes: &'static str,
-    /// Nominal damping of a hinge over its stiffness.
-    pub(super) damping_s: f64,
+    /// Where the poses and loads of the films are.
+    pub(super) films: &'static str,
+    /// The nominal inertia and damping.
+    pub(super) nominal: fn() -> String,
     /// From `G` to its frame.
     pub(super) from_global: fn(&Vec3) -> Vec3,
 }
@@ -60,7 +63,12 @@ pub(super) fn mark(model: &PersonalisedModel) -> String {
 }
 
 /// The comment's text.
-pub(super) fn header(model: &PersonalisedModel, generator: &str, dialect: &Dialect) -> String {
+pub(super) fn header(
+    model: &PersonalisedModel,
+    assembly: &Assembly,
+    generator: &str,
+    dialect: &Dialect,
+) -> String {
     let title = format!("Personalised multibody model of a spine as {}", dialect.format);
     let mut lines = opening(model, &title, generator);
     lines.push(format!("Frame: {}", dialect.frame));
@@ -78,14 +86,13 @@ pub(super) fn header(model: &PersonalisedModel, generator: &str, dialect: &Diale
     lines.push(support(model.support).to_owned());
     lines.push(format!("Stiffness: fitted with the line of action `{}`.", model.line.key()));
     lines.push(format!(
-        "NOMINAL, not measured, without influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes but the widths named above. Gravity is off.",
-        number(NOMINAL_MASS_KG),
-        number(NOMINAL_INERTIA_KG_M2),
-        number(dialect.damping_s),
+        "NOMINAL, not measured, without influence on an equilibrium: {}; and all shapes but the widths named above. Gravity is off.",
+        (dialect.nominal)(),
     ));
-    if !model.loads.is_empty() {
-        lines.push("Loads on the uppermost vertebra that this model needs for its films (not applied here):".to_owned());
-        lines.extend(model.loads.iter().map(|one| load(one, model.force_unit(), dialect)));
+    if !assembly.films.is_empty() {
+        let (top, unit) = (model.top(), model.force_unit());
+        lines.push(format!("Films: {} The forces on {top} ({unit}):", dialect.films));
+        lines.extend(assembly.films.iter().map(|film| words(film, dialect)));
     }
     lines.push(mark(model));
     lines.join("\n  ")
@@ -108,7 +115,8 @@ const fn units(absolute: bool) -> &'static str {
     }
 }
 
-fn load(load: &FilmLoad, unit: &str, dialect: &Dialect) -> String {
+fn words(film: &Film, dialect: &Dialect) -> String {
+    let load = &film.load;
     let force_n = (dialect.from_global)(&load.force_vector_n());
     let place = match load.application {
         Application::Fixed => {
@@ -117,12 +125,11 @@ fn load(load: &FilmLoad, unit: &str, dialect: &Dialect) -> String {
         }
         Application::AtT2 => "at the midpoint, and moves with it".to_owned(),
     };
-    format!(
-        "  {}: {} ({unit}) {place} ({})",
-        load.posture.key(),
-        rounded(&force_n),
-        load.status.key()
-    )
+    let pose = match &film.pose {
+        Ok(_) => "converged".to_owned(),
+        Err(reason) => format!("no equilibrium, so no pose: {reason}"),
+    };
+    format!("  {}: {} {place} ({pose})", film.name(), rounded(&force_n))
 }
 
 /// A vector for the comment, with at most six decimals, as the file writes numbers: a user can copy it.

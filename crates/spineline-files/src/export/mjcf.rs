@@ -1,10 +1,13 @@
 //! MuJoCo's own XML.
 
+use spineline::action::Application;
 use spineline::analysis::PersonalisedModel;
 use spineline::spatial::Vec3;
 
-use super::assembly::{Assembly, Joint, NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG, Vertebra};
+use super::assembly::{Assembly, Hinge, Joint, Vertebra};
+use super::films::Film;
 use super::header::{Dialect, header};
+use super::nominal::TIME_S;
 use super::rotation::quaternion;
 use super::xml::{Document, number, numbers, vector};
 
@@ -12,10 +15,22 @@ const DIALECT: Dialect = Dialect {
     format: "MJCF (MuJoCo)",
     frame: "G: x anterior, y to the patient's left, z cranial; origin at the midpoint of the lowest vertebra.",
     notes: "Springs: `stiffness` and `springref` of each joint. Hinges that are locked are left out. Contacts are off.",
-    // MuJoCo treats damping implicitly: enough damping to rest within seconds costs nothing.
-    damping_s: 0.1,
+    films: "the pose of a film is the keyframe of its name. Its force is `custom/numeric` NAME_force, and acts at the place of the site NAME_load, which is fixed in space or in the vertebra. Before each step, set `xfrc_applied` of the vertebra to this force and to its moment about the vertebra's `xipos`.",
+    nominal: || {
+        format!(
+            "armature of a hinge {} s2 and damping {} s times its stiffness, so that every hinge is critically damped; {} kg and {} kg m2 of a vertebra",
+            number(TIME_S * TIME_S),
+            number(2.0 * TIME_S),
+            number(MASS_KG),
+            number(INERTIA_KG_M2),
+        )
+    },
     from_global: |v| *v,
 };
+
+/// Of a vertebra; small beside the armature of the hinges.
+const MASS_KG: f64 = 1e-3;
+const INERTIA_KG_M2: f64 = 1e-6;
 
 /// Minimum extent of the view.
 const MIN_EXTENT_M: f64 = 0.1;
@@ -27,7 +42,7 @@ const DISC: &str = "0.42 0.62 0.78 1";
 /// The whole file.
 pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &str) -> String {
     let mut xml = Document::new();
-    xml.comment(&header(model, generator, &DIALECT));
+    xml.comment(&header(model, assembly, generator, &DIALECT));
     xml.open("mujoco", &[("model", &model.case_id)]);
     settings(&mut xml, assembly);
     xml.open("worldbody", &[]);
@@ -37,14 +52,25 @@ pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &s
         open_body(&mut xml, vertebra, below);
         draw(&mut xml, vertebra, below.is_none(), i + 1 < assembly.vertebrae.len());
     }
+    let posed: Vec<&Film> = assembly.films.iter().filter(|film| film.pose.is_ok()).collect();
+    for film in posed.iter().filter(|film| film.load.application == Application::AtT2) {
+        load_site(&mut xml, film, &Vec3::zeros());
+    }
+    for _ in &assembly.vertebrae {
+        xml.close();
+    }
+    for film in posed.iter().filter(|film| film.load.application == Application::Fixed) {
+        load_site(&mut xml, film, &(Vec3::from(film.load.point_mm) / 1000.0));
+    }
+    xml.close();
+    forces(&mut xml, &posed);
+    keyframes(&mut xml, &posed, &assembly.joints);
     xml.finish()
 }
 
 fn settings(xml: &mut Document, assembly: &Assembly) {
     xml.empty("compiler", &[("angle", "radian"), ("inertiafromgeom", "false")]);
-    // Stiff springs on light bodies: damping is taken implicitly.
-    let option = [("gravity", "0 0 0"), ("timestep", "0.001"), ("integrator", "implicitfast")];
-    xml.open("option", &option);
+    xml.open("option", &[("gravity", "0 0 0")]);
     xml.empty("flag", &[("contact", "disable")]);
     xml.close();
     let centre: Vec3 = assembly.vertebrae.iter().map(|v| v.midpoint_m).sum::<Vec3>()
@@ -73,25 +99,54 @@ fn open_body(xml: &mut Document, vertebra: &Vertebra, below: Option<&Joint>) {
     if let Some(joint) = below {
         let centre = vector(&joint.centre_in_superior_m);
         for hinge in joint.free() {
-            let axis = joint.superior_from_inferior() * hinge.axis.unit();
-            xml.empty(
-                "joint",
-                &[
-                    ("name", &*hinge.name),
-                    ("type", "hinge"),
-                    ("pos", &centre),
-                    ("axis", &vector(&axis)),
-                    ("stiffness", &number(hinge.nm_per_rad)),
-                    ("springref", "0"),
-                    ("damping", &number(hinge.damping(DIALECT.damping_s))),
-                ],
-            );
+            turning(xml, hinge, &centre, &(joint.superior_from_inferior() * hinge.axis.unit()));
         }
-        let inertia = numbers(&[NOMINAL_INERTIA_KG_M2; 3]);
-        let mass = number(NOMINAL_MASS_KG);
+        let inertia = numbers(&[INERTIA_KG_M2; 3]);
+        let mass = number(MASS_KG);
         xml.empty("inertial", &[("pos", "0 0 0"), ("mass", &mass), ("diaginertia", &inertia)]);
     }
     xml.empty("site", &[("name", &format!("{}_midpoint", vertebra.name))]);
+}
+
+fn turning(xml: &mut Document, hinge: &Hinge, centre: &str, axis: &Vec3) {
+    let hinged = [
+        ("name", &*hinge.name),
+        ("type", "hinge"),
+        ("pos", centre),
+        ("axis", &vector(axis)),
+        ("stiffness", &number(hinge.nm_per_rad)),
+        ("springref", "0"),
+        ("armature", &number(TIME_S * TIME_S * hinge.nm_per_rad)),
+        ("damping", &number(2.0 * TIME_S * hinge.nm_per_rad)),
+    ];
+    xml.empty("joint", &hinged);
+}
+
+/// A point of the line of action of a film.
+fn load_site(xml: &mut Document, film: &Film, place_m: &Vec3) {
+    xml.empty("site", &[("name", &film.load_name()), ("pos", &vector(place_m))]);
+}
+
+fn forces(xml: &mut Document, posed: &[&Film]) {
+    xml.open("custom", &[]);
+    for film in posed {
+        let force_n = vector(&film.load.force_vector_n());
+        xml.empty("numeric", &[("name", &format!("{}_force", film.name())), ("data", &force_n)]);
+    }
+    xml.close();
+}
+
+fn keyframes(xml: &mut Document, posed: &[&Film], joints: &[Joint]) {
+    xml.open("keyframe", &[]);
+    for film in posed {
+        let free = film.pose.iter().flatten().zip(joints).flat_map(|(angles_rad, joint)| {
+            let hinges = joint.hinges.iter().zip(angles_rad).filter(|(hinge, _)| !hinge.locked);
+            hinges.map(|(_, &angle_rad)| angle_rad)
+        });
+        let qpos = numbers(&free.collect::<Vec<f64>>());
+        xml.empty("key", &[("name", film.name()), ("qpos", &qpos)]);
+    }
+    xml.close();
 }
 
 /// A body, its spinous process, and the disc that lies on it.

@@ -1,16 +1,19 @@
 //! Export of personalised models for other programs: MJCF, OpenSim and URDF for multibody programs, VTK and glTF for 3-D views.
 //!
 //! Formats for multibody programs have the content of [`PersonalisedModel`]: bodies in the erect posture, three hinges in series
-//! at every joint, and a linear spring on each. Other values that they need (masses, damping, shapes to draw) are nominal, and do
+//! at every joint, and a linear spring on each; and of its films: the pose and the load of each. Other values that they need (masses, damping, shapes to draw) are nominal, and do
 //! not change an equilibrium. Formats for 3-D views have only the vertebral bodies, as boxes. Each file states its content, its
 //! origin, its frame and its units.
 
 mod assembly;
 mod boxes;
+mod films;
 mod format;
 mod gltf;
 mod header;
 mod mjcf;
+mod motion;
+mod nominal;
 mod osim;
 mod rotation;
 mod standing;
@@ -44,6 +47,7 @@ pub fn export(
     Ok(text_with_hash(match format {
         ExportFormat::Mjcf => mjcf::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Osim => osim::text(model, &assembly(vertebrae)?, generator),
+        ExportFormat::Sto => motion::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Urdf => urdf::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Vtp => vtp::text(model, &vertebrae, generator),
         ExportFormat::Gltf => gltf::text(model, &vertebrae, generator),

@@ -1,19 +1,22 @@
 //! OpenSim 4 models.
 
+use spineline::action::Application;
 use spineline::analysis::PersonalisedModel;
 use spineline::spatial::{Mat3, Vec3};
 
-use super::assembly::{Assembly, Hinge, Joint, NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG, Vertebra};
+use super::assembly::{Assembly, Hinge, Joint, Vertebra};
+use super::films::Film;
 use super::header::{Dialect, header};
+use super::nominal::{Inertia, Nominal};
 use super::rotation::body_xyz;
 use super::xml::{Document, number, numbers, vector};
 
-const DIALECT: Dialect = Dialect {
+pub(super) const DIALECT: Dialect = Dialect {
     format: "OSIM (OpenSim 4)",
     frame: "OpenSim's: x anterior, y cranial, z to the patient's right (Spineline's G is x, -z, y of this); origin at the midpoint of the lowest vertebra.",
     notes: "Springs: one SpringGeneralizedForce per coordinate. Signs of coordinates are Spineline's: right-handed about the anterior, left and cranial axis. Coordinates that the support locks are locked.",
-    // OpenSim's integrators are explicit: more would make their steps tiny.
-    damping_s: 0.001,
+    films: "the load of a film is the PrescribedForce NAME_load, which acts after its property `appliesForce` is set. The format `sto` of the same program has the poses.",
+    nominal: Nominal::words,
     from_global: opensim,
 };
 
@@ -34,7 +37,7 @@ fn opensim_rotation(r: &Mat3) -> Mat3 {
 /// The whole file.
 pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &str) -> String {
     let mut xml = Document::new();
-    xml.comment(&header(model, generator, &DIALECT));
+    xml.comment(&header(model, assembly, generator, &DIALECT));
     xml.open("OpenSimDocument", &[("Version", LAYOUT)]);
     xml.open("Model", &[("name", &component_name(&model.case_id))]);
     xml.text("credits", &format!("{generator}; case {}", model.case_id));
@@ -42,8 +45,8 @@ pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &s
     xml.text("length_units", "meters");
     xml.text("force_units", "N");
     open_set(&mut xml, "BodySet", "bodyset");
-    for vertebra in &assembly.vertebrae {
-        body(&mut xml, vertebra);
+    for (vertebra, &inertia) in assembly.vertebrae.iter().zip(&assembly.nominal.inertias) {
+        body(&mut xml, vertebra, inertia);
     }
     close_set(&mut xml);
     open_set(&mut xml, "JointSet", "jointset");
@@ -58,8 +61,13 @@ pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &s
     }
     close_set(&mut xml);
     open_set(&mut xml, "ForceSet", "forceset");
-    for hinge in assembly.joints.iter().flat_map(|joint| &joint.hinges) {
-        spring(&mut xml, hinge);
+    for (joint, &damping) in assembly.joints.iter().zip(&assembly.nominal.dampings_nms_per_rad) {
+        for hinge in &joint.hinges {
+            spring(&mut xml, hinge, damping);
+        }
+    }
+    for film in assembly.films.iter().filter(|film| film.pose.is_ok()) {
+        load(&mut xml, film, model.top().name());
     }
     close_set(&mut xml);
     open_set(&mut xml, "MarkerSet", "markerset");
@@ -87,7 +95,7 @@ fn close_set(xml: &mut Document) {
     xml.close();
 }
 
-fn body(xml: &mut Document, vertebra: &Vertebra) {
+fn body(xml: &mut Document, vertebra: &Vertebra, inertia: Inertia) {
     xml.open("Body", &[("name", vertebra.name)]);
     xml.open("attached_geometry", &[]);
     xml.open("Brick", &[("name", &format!("{}_shape", vertebra.name))]);
@@ -97,10 +105,10 @@ fn body(xml: &mut Document, vertebra: &Vertebra) {
     xml.text("half_lengths", &numbers(&[depth / 2.0, height / 2.0, width / 2.0]));
     xml.close();
     xml.close();
-    xml.text("mass", &number(NOMINAL_MASS_KG));
+    xml.text("mass", &number(inertia.mass_kg));
     xml.text("mass_center", "0 0 0");
-    let i = NOMINAL_INERTIA_KG_M2;
-    xml.text("inertia", &numbers(&[i, i, i, 0.0, 0.0, 0.0]));
+    let moment = inertia.moment_kg_m2;
+    xml.text("inertia", &numbers(&[moment, moment, moment, 0.0, 0.0, 0.0]));
     xml.close();
 }
 
@@ -190,13 +198,39 @@ fn offset(xml: &mut Document, name: &str, body: &str, place: &Vec3, axes: &Mat3,
     xml.close();
 }
 
-fn spring(xml: &mut Document, hinge: &Hinge) {
+fn spring(xml: &mut Document, hinge: &Hinge, damping_nms_per_rad: f64) {
     xml.open("SpringGeneralizedForce", &[("name", &format!("{}_spring", hinge.name))]);
     xml.text("coordinate", &hinge.name);
     xml.text("stiffness", &number(hinge.nm_per_rad));
     xml.text("rest_length", "0");
-    xml.text("viscosity", &number(hinge.damping(DIALECT.damping_s)));
+    xml.text("viscosity", &number(damping_nms_per_rad));
     xml.close();
+}
+
+/// The force of a film: its direction is fixed in space, its point in space or in the vertebra.
+fn load(xml: &mut Document, film: &Film, vertebra: &str) {
+    let (is_fixed, point_mm) = match film.load.application {
+        Application::Fixed => ("true", Vec3::from(film.load.point_mm)),
+        Application::AtT2 => ("false", Vec3::zeros()),
+    };
+    xml.open("PrescribedForce", &[("name", &film.load_name())]);
+    xml.text("appliesForce", "false");
+    xml.text("socket_frame", &format!("/bodyset/{vertebra}"));
+    xml.text("pointIsGlobal", is_fixed);
+    xml.text("forceIsGlobal", "true");
+    constants(xml, "forceFunctions", &opensim(&film.load.force_vector_n()));
+    constants(xml, "pointFunctions", &opensim(&(point_mm / 1000.0)));
+    xml.close();
+}
+
+fn constants(xml: &mut Document, name: &str, values: &Vec3) {
+    open_set(xml, "FunctionSet", name);
+    for &value in values {
+        xml.open("Constant", &[]);
+        xml.text("value", &number(value));
+        xml.close();
+    }
+    close_set(xml);
 }
 
 fn marker(xml: &mut Document, vertebra: &str) {

@@ -3,8 +3,9 @@
 use spineline::analysis::PersonalisedModel;
 use spineline::spatial::{Mat3, Vec3};
 
-use super::assembly::{Assembly, Hinge, Joint, NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG, Vertebra};
+use super::assembly::{Assembly, Hinge, Joint, Vertebra};
 use super::header::{Dialect, header};
+use super::nominal::{Inertia, Nominal};
 use super::rotation::roll_pitch_yaw;
 use super::xml::{Document, number, numbers, vector};
 
@@ -12,9 +13,9 @@ const DIALECT: Dialect = Dialect {
     format: "URDF",
     frame: "G: x anterior, y to the patient's left, z cranial; origin at the midpoint of the lowest vertebra.",
     notes: "Springs: URDF has none. They stand in SDFormat's extension, `springStiffness` and `springReference` in `gazebo` of each hinge's name; a program that does not read it needs them from elsewhere. \
-            Each hinge turns a small link that is not a vertebra (a hundredth of the nominal mass), and the vertebra is fixed to the last link; hinges that are locked are left out. Limits do not stop a hinge: the format requires them.",
-    // Many of the programs that read URDF step explicitly.
-    damping_s: 0.001,
+            Each hinge turns a small link that is not a vertebra (a hundredth of the vertebra's nominal mass), and the vertebra is fixed to the last link; hinges that are locked are left out. Limits do not stop a hinge: the format requires them.",
+    films: "URDF has no poses and no loads; apply the force from the program.",
+    nominal: Nominal::words,
     from_global: |v| *v,
 };
 
@@ -24,17 +25,15 @@ const BETWEEN_HINGES: f64 = 0.01;
 /// The whole file.
 pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &str) -> String {
     let mut xml = Document::new();
-    xml.comment(&header(model, generator, &DIALECT));
+    xml.comment(&header(model, assembly, generator, &DIALECT));
     xml.open("robot", &[("name", &model.case_id)]);
     xml.empty("link", &[("name", "world")]);
     for (i, v) in assembly.vertebrae.iter().enumerate() {
         match i.checked_sub(1) {
             None => fixed(&mut xml, "world", v.name, &v.midpoint_m, &v.axes),
-            Some(j) => {
-                joint(&mut xml, &assembly.joints[j], assembly.vertebrae[j].name, v.name);
-            }
+            Some(j) => joint(&mut xml, assembly, j),
         }
-        vertebra(&mut xml, v);
+        vertebra(&mut xml, v, assembly.nominal.inertias[i]);
     }
     for hinge in assembly.joints.iter().flat_map(Joint::free) {
         spring(&mut xml, hinge);
@@ -43,14 +42,17 @@ pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &s
 }
 
 /// Hinges in series, a link after each, and the vertebra on the last of them.
-fn joint(xml: &mut Document, joint: &Joint, inferior: &str, superior: &str) {
+fn joint(xml: &mut Document, assembly: &Assembly, j: usize) {
+    let (joint, nominal) = (&assembly.joints[j], &assembly.nominal);
+    let [inferior, superior] = [j, j + 1].map(|vertebra| assembly.vertebrae[vertebra].name);
+    let damping = number(nominal.dampings_nms_per_rad[j]);
     let mut parent = inferior.to_owned();
     let mut place = joint.centre_in_inferior_m;
     for hinge in joint.free() {
         let child = format!("{}_link", hinge.name);
-        revolute(xml, hinge, &parent, &child, &place);
+        revolute(xml, hinge, [&parent, &child], &place, &damping);
         xml.open("link", &[("name", &child)]);
-        inertial(xml, BETWEEN_HINGES);
+        inertial(xml, nominal.inertias[j + 1].share(BETWEEN_HINGES));
         xml.close();
         parent = child;
         place = Vec3::zeros();
@@ -58,7 +60,13 @@ fn joint(xml: &mut Document, joint: &Joint, inferior: &str, superior: &str) {
     fixed(xml, &parent, superior, &joint.rise_m, &joint.inferior_from_superior);
 }
 
-fn revolute(xml: &mut Document, hinge: &Hinge, parent: &str, child: &str, place: &Vec3) {
+fn revolute(
+    xml: &mut Document,
+    hinge: &Hinge,
+    [parent, child]: [&str; 2],
+    place: &Vec3,
+    damping: &str,
+) {
     let limit = [("lower", "-3.2"), ("upper", "3.2"), ("effort", "1e6"), ("velocity", "1e3")];
     xml.open("joint", &[("name", &hinge.name), ("type", "revolute")]);
     xml.empty("parent", &[("link", parent)]);
@@ -66,10 +74,7 @@ fn revolute(xml: &mut Document, hinge: &Hinge, parent: &str, child: &str, place:
     xml.empty("origin", &[("xyz", &vector(place)), ("rpy", "0 0 0")]);
     xml.empty("axis", &[("xyz", &vector(&hinge.axis.unit()))]);
     xml.empty("limit", &limit);
-    xml.empty(
-        "dynamics",
-        &[("damping", &number(hinge.damping(DIALECT.damping_s))), ("friction", "0")],
-    );
+    xml.empty("dynamics", &[("damping", damping), ("friction", "0")]);
     xml.close();
 }
 
@@ -87,9 +92,9 @@ fn origin(xml: &mut Document, place: &Vec3, axes: &Mat3) {
 }
 
 /// A link at the vertebra's midpoint, in its axes.
-fn vertebra(xml: &mut Document, vertebra: &Vertebra) {
+fn vertebra(xml: &mut Document, vertebra: &Vertebra, inertia: Inertia) {
     xml.open("link", &[("name", vertebra.name)]);
-    inertial(xml, 1.0);
+    inertial(xml, inertia);
     xml.open("visual", &[]);
     xml.open("geometry", &[]);
     xml.empty("box", &[("size", &vector(&vertebra.size_m))]);
@@ -101,13 +106,13 @@ fn vertebra(xml: &mut Document, vertebra: &Vertebra) {
     }
 }
 
-fn inertial(xml: &mut Document, share: f64) {
-    let moment = number(share * NOMINAL_INERTIA_KG_M2);
+fn inertial(xml: &mut Document, inertia: Inertia) {
+    let moment = number(inertia.moment_kg_m2);
     let diagonal = [("ixx", &*moment), ("iyy", &moment), ("izz", &moment)];
     let [x, y, z] = diagonal;
     xml.open("inertial", &[]);
     xml.empty("origin", &[("xyz", &numbers(&[0.0; 3])), ("rpy", "0 0 0")]);
-    xml.empty("mass", &[("value", &number(share * NOMINAL_MASS_KG))]);
+    xml.empty("mass", &[("value", &number(inertia.mass_kg))]);
     xml.empty("inertia", &[x, y, z, ("ixy", "0"), ("ixz", "0"), ("iyz", "0")]);
     xml.close();
 }

@@ -126,7 +126,7 @@ fn springs(all: &[Element], format: ExportFormat) -> Vec<(String, f64)> {
             .zip(named(all, "springStiffness"))
             .map(|(g, v)| (g.attribute("reference").to_owned(), own(&v.text)))
             .collect(),
-        ExportFormat::Vtp | ExportFormat::Gltf => Vec::new(),
+        ExportFormat::Sto | ExportFormat::Vtp | ExportFormat::Gltf => Vec::new(),
     }
 }
 
@@ -264,7 +264,7 @@ fn axial_rotations_from_pedicles_reach_the_bodies_of_every_format() {
 }
 
 /// The mirrored patient.
-fn mirrored(model: &PersonalisedModel) -> PersonalisedModel {
+pub(super) fn mirrored(model: &PersonalisedModel) -> PersonalisedModel {
     let m = Mat3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
     let spine = &model.spine;
     let centres: Vec<Vec3> = spine.joints.iter().map(|j| m * j.centre_in_inferior_mm).collect();
@@ -335,7 +335,7 @@ fn names_are_escaped_in_every_format() {
                     assert!(plain.chars().all(|c| c.is_ascii_alphanumeric() || "._-".contains(c)));
                     assert!(!plain.is_empty());
                 }
-                ExportFormat::Vtp | ExportFormat::Gltf => {}
+                ExportFormat::Sto | ExportFormat::Vtp | ExportFormat::Gltf => {}
             }
         }
     }

@@ -5,6 +5,7 @@ mod biplanar_lines;
 mod bodies;
 mod exports;
 mod files;
+mod films_of_exports;
 mod goldens;
 mod hidden;
 mod left_out_bends;

@@ -109,6 +109,7 @@ fn landmarks_and_models_are_read_back() {
     for (format, ending, mark) in [
         ("mjcf", "-inflection_line.xml", "<mujoco"),
         ("osim", "-inflection_line.osim", "<OpenSimDocument"),
+        ("sto", "-inflection_line.sto", "endheader"),
         ("urdf", "-inflection_line.urdf", "<robot"),
         ("vtp", "-inflection_line.vtp", "<VTKFile"),
         ("gltf", "-inflection_line.gltf", "\"asset\""),
@@ -117,7 +118,7 @@ fn landmarks_and_models_are_read_back() {
         assert!(model.text().contains(mark), "{format}");
     }
     assert!(lead.get(&format!("/api/studies/{STUDY}/case")).status.is_success());
-    let all = ["slicer", "dicom_sr", "mjcf", "osim", "urdf", "vtp", "gltf", "case"];
+    let all = ["slicer", "dicom_sr", "mjcf", "osim", "sto", "urdf", "vtp", "gltf", "case"];
     assert_eq!(logged(&app, 8), all.map(|one| format!("export_{one}")));
 }
 
