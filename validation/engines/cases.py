@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-FORMATS = ("mjcf", "osim", "urdf")
+FORMATS = ("mjcf", "osim", "sto", "urdf")
 
 
 @dataclass(frozen=True)
@@ -125,10 +125,23 @@ class Spineline:
 
     def simulate(self, stem: str, load: Load, levels: list[str], number: int) -> np.ndarray:
         """Spineline's own equilibrium."""
-        given, told = f"load-{number:02}.json", f"shape-{number:02}.json"
+        given = f"load-{number:02}.json"
         (self.folder / given).write_text(json.dumps(load.file(), indent=2), encoding="utf-8")
+        return self.shape(f"shape-{number:02}.json", levels, f"{stem}.json", "--load", given)
+
+    def films(self, stem: str) -> tuple[list[str], dict[str, np.ndarray]]:
+        """The vertebrae of a model, and Spineline's equilibrium for every film."""
+        model = json.loads((self.folder / f"{stem}.json").read_text(encoding="utf-8"))
+        levels = [vertebra["level"] for vertebra in model["vertebrae"]]
+        postures = [load["posture"] for load in model["loads"]]
+        told = {posture: f"{stem}-{posture}.json" for posture in postures}
+        shapes = {p: self.shape(told[p], levels, f"{stem}.json", "--posture", p) for p in postures}
+        return levels, shapes
+
+    def shape(self, told: str, levels: list[str], *arguments: str) -> np.ndarray:
+        """The midpoints of a simulation."""
         # An extreme shape may be beyond human range, but it is an equilibrium of the model.
-        self.run("simulate", f"{stem}.json", "--load", given, "--json", told, codes=(0, 4))
+        self.run("simulate", *arguments, "--json", told, codes=(0, 4))
         shape = json.loads((self.folder / told).read_text(encoding="utf-8"))
         if shape["status"] not in ("converged", "beyond_human_range"):
             raise SystemExit(f"{told}: Spineline's own equilibrium is `{shape['status']}`")

@@ -14,7 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+import examples
 from cases import Case, Spineline
+from films import films
 from in_mujoco import MujocoSpine
 from in_opensim import OpensimSpine
 from in_pinocchio import PinocchioSpine
@@ -50,7 +52,8 @@ def main() -> int:
     parser.add_argument("--program", type=Path, required=True, help="the spineline program")
     parser.add_argument("--out", type=Path, required=True, help="folder for models and results")
     options = parser.parse_args()
-    cases = Spineline(options.program, options.out).cases()
+    spineline = Spineline(options.program, options.out)
+    cases = spineline.cases()
     rows = [compared(case, *engine) for case in cases for engine in ENGINES]
     show(rows)
     write(rows, options.out / "results.csv")
@@ -58,7 +61,10 @@ def main() -> int:
     for name, _, _, _, tolerance_mm in ENGINES:
         worst = max(row.difference_mm for row in rows if row.engine == name)
         print(f"{name}: at most {worst:.1e} mm in {len(cases)} cases (allowed {tolerance_mm:g})")
-    return 1 if bad else 0
+    shown = films(spineline)
+    print(*shown, sep="\n")
+    examples.run(spineline)
+    return 1 if bad or not all(film.good for film in shown) else 0
 
 
 def compared(
