@@ -119,7 +119,7 @@ fn landmarks_and_models_are_read_back() {
     }
     assert!(lead.get(&format!("/api/studies/{STUDY}/case")).status.is_success());
     let all = ["slicer", "dicom_sr", "mjcf", "osim", "sto", "urdf", "vtp", "gltf", "case"];
-    assert_eq!(logged(&app, 8), all.map(|one| format!("export_{one}")));
+    assert_eq!(logged(&app, 9), all.map(|one| format!("export_{one}")));
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn the_menu_has_what_this_build_writes() {
         .collect();
     assert_eq!(names.contains(&"pdf"), cfg!(feature = "pdf"));
     assert!(names.contains(&"report") && names.contains(&"dicom_sr"), "{names:?}");
-    assert_eq!(menu["models"].as_array().expect("models").len(), 5);
+    assert_eq!(menu["models"].as_array().expect("models").len(), 6);
 }
 
 #[test]
