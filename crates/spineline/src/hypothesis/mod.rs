@@ -2,7 +2,7 @@
 //!
 //! # Model
 //! A [`Hypothesis`] is the kind of load that acts on every bend ([`LoadShape`], with one to three free components per film)
-//! and the rule for the base ([`Base`]). The fit is that of [`crate::personalize`], with equilibria by [`GeneralStatics`]: loads may act on
+//! and the rule for the base ([`Base`]). [`crate::personalize`] fits it, with equilibria by [`GeneralStatics`]: loads may act on
 //! every vertebra and move with it. A line fixed in space is one of them, so that the same equilibrium compares the paper's line with
 //! its alternatives.
 //!

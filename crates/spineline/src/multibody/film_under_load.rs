@@ -61,7 +61,7 @@ pub(crate) trait FilmUnderLoad {
     /// Where it may turn.
     fn base(&self) -> Option<TurnedBase>;
 
-    /// The first force of a sign that gives the spine a lateral tilt; `None` where the load is no force along a line.
+    /// The first force of a sign that gives the spine a lateral tilt; `None` for other loads than a force along a line.
     fn force_at_amplitude(
         &self,
         springs: &Self::Springs<'_>,

@@ -32,9 +32,11 @@
 use crate::anatomy::named;
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::{Personalization, problem_of};
+use super::fit::problem_of;
 use super::problem::Problem;
-use super::{FitFilm, FitSettings, FittedSprings, Gauge, GroupStiffness, MULTIPLIER_BOUNDS};
+use super::{
+    FitFilm, FitSettings, FittedSprings, Gauge, GroupStiffness, MULTIPLIER_BOUNDS, Personalization,
+};
 use crate::least_squares::{FitStatus, Minimum, minimize};
 use crate::multibody::MarchedFilm;
 

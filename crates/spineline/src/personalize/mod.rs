@@ -23,14 +23,16 @@ mod fit;
 mod identify;
 mod mixed;
 mod outcome;
+mod personalization;
 mod problem;
 mod search;
 mod shape_weights;
 mod start;
+mod starts;
 
 pub use crate::least_squares::FitStatus;
 pub(crate) use film::FilmData;
-pub use fit::{Personalization, StiffnessBound, personalize};
+pub use fit::personalize;
 pub use identify::{
     Identifiability, IntervalVerdict, MULTIPLIER_COVERAGE, MultiplierInformation, Profile,
     ProfileEnd, ProfilePoint, STIFFNESS_COVERAGE, StiffnessDirection, identify,
@@ -40,6 +42,7 @@ pub use mixed::{
     Crossing, GroupStiffness, LineTest, NoLoads, PreferredLoads, ProposedLine, SIGNIFICANCE,
 };
 pub use outcome::TestOutcome;
+pub use personalization::{Personalization, StiffnessBound};
 pub(crate) use problem::Problem;
 pub(crate) use search::fit;
 pub(crate) use shape_weights::ShapeWeights;

@@ -13,7 +13,7 @@ use crate::multibody::{FilmUnderLoad, MAX_HINGE_RAD, Wanted};
 ///
 /// With Ferguson angles as data the amplitude determines every force, so that only `ln α` is unknown.
 ///
-/// Rows are those of the films, of the prior, and one of the gauge.
+/// Rows are of the films, of the prior, and one of the gauge.
 pub(crate) struct Problem<'a, F> {
     pub(super) springs: FittedSprings<'a>,
     settings: FitSettings<'a>,

@@ -181,7 +181,7 @@ impl Best {
         ends.into_iter().filter(|end| end.1 <= most).map(|end| end.0.clone()).collect()
     }
 
-    /// What was found; nominal stiffness if no start could be evaluated.
+    /// The best end; nominal stiffness if no start could be evaluated.
     fn result<F: FilmUnderLoad>(
         self,
         problem: &Problem<'_, F>,
