@@ -120,17 +120,20 @@ fn ends_interpolated(analysis: &Analysis, posture: Posture, ends: CobbEnds) -> b
     analysis.movement.film(posture).is_some_and(hidden)
 }
 
-/// The amplitude of a film, with the vertebrae between which it is measured.
+/// The amplitude of a film, with the vertebrae between which it is measured if these are not the ends of the model.
 pub fn amplitude(film: &Outline) -> String {
     let [lower, upper] = film.amplitude_levels();
-    format!("{} ({lower}–{upper})", film.amplitude().leaning())
+    let leaning = film.amplitude().leaning();
+    let is_of_model = [lower, upper] == [film.levels().base(), film.levels().top()];
+    if is_of_model { leaning } else { format!("{leaning} ({lower}–{upper})") }
 }
 
 /// The curve of every film, and its movement.
 pub fn curves(analysis: &Analysis) -> Table {
+    let levels = analysis.movement.levels();
     let columns = vec![
         Column::words("Film"),
-        Column::words("Lateral tilt"),
+        Column::words(format!("Lateral tilt of {}–{}", levels.base(), levels.top())),
         Column::numbers("Order of the curve"),
         Column::words("Residual of locations"),
         Column::numbers("Residual of tilts (°)"),

@@ -12,7 +12,7 @@ fn film(amplitude: AmplitudeEnds, l5: Frontal, t1: Frontal) -> Outline {
     let options = AnalysisOptions { amplitude, ..AnalysisOptions::default() };
     let movement = analyze_movement(&phantom.case, &options).expect("a sound case").movement;
     let mut film = movement.erect().outline.clone();
-    let (base, top) = (film.vertebrae[0].clone(), film.vertebrae[14].clone());
+    let (base, top) = (film.vertebrae[0], film.vertebrae[14]);
     film.others = Vec::new();
     for (level, location, like) in [(Level::L5, l5, base), (Level::T1, t1, top)] {
         let mut vertebra = like;
@@ -28,7 +28,7 @@ fn the_amplitude_is_the_tilt_of_the_line_through_t1_and_l5_where_both_are_marked
     // Oracle: the angle of the line by hand; the patient's left is positive, a tilt to the right too.
     let (l5, t1) = (Frontal::new(5.0, -35.0), Frontal::new(-65.0, 365.0));
     let marked = film(AmplitudeEnds::T1L5, l5, t1);
-    let expected_deg = (70.0_f64 / 400.0).atan().to_degrees() - 2.0;
+    let expected_deg = Angle::from_rad((70.0_f64 / 400.0).atan()).deg() - 2.0;
     assert!((marked.amplitude().deg() - expected_deg).abs() < 1e-12);
     assert_eq!(marked.amplitude_levels(), [Level::L5, Level::T1]);
 
