@@ -146,7 +146,7 @@ const fn force_words(kind: LineKind) -> &'static str {
 const fn what_kept_means(kind: LineKind) -> &'static str {
     match kind {
         LineKind::Iliac => {
-            "This does not prove such a force: the films are consistent with a horizontal load, and cannot tell a force at T2 from a distributed load. On synthetic films the test keeps 87 to 97 % of distributed loads."
+            "The films are consistent with a horizontal load, and cannot tell a force at T2 from a distributed load."
         }
         LineKind::Inflection | LineKind::Given | LineKind::Estimated => {
             "This does not prove such a force."
