@@ -44,7 +44,8 @@ pub struct ReadingsTable {
 /// a number that is not finite, an empty name, another unit of the same quantity, a reading given twice.
 pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
     // Programs that write CSV for a spreadsheet put a byte-order mark first.
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // The reader counts the end `\r\n` as a part of the next line.
+    let text = &*text.strip_prefix('\u{feff}').unwrap_or(text).replace("\r\n", "\n");
     let stated = stated_separator(text);
     let heading = text.lines().nth(usize::from(stated.is_some())).unwrap_or_default();
     let separator = stated.or_else(|| [';', '\t'].into_iter().find(|mark| heading.contains(*mark)));

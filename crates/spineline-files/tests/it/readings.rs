@@ -39,8 +39,11 @@ fn every_error_of_a_row_names_its_line() {
         ("a,mm,1,A,1,7\n", "is given twice"),
         ("a,mm,1,B,1\n", "5 cells, but the heading has 6"),
     ] {
-        let error = table(&format!("{good}{row}")).expect_err(words).to_string();
-        assert!(error.starts_with("line 3: ") && error.contains(words), "{error}");
+        let text = format!("{HEADING}{good}{row}");
+        for text in [text.replace('\n', "\r\n"), text] {
+            let error = parse_readings(&text).expect_err(words).to_string();
+            assert!(error.starts_with("line 3: ") && error.contains(words), "{error}");
+        }
     }
     assert!(table("").expect_err("nothing").to_string().contains("no reading"));
 }
