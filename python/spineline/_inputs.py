@@ -8,12 +8,10 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from . import _native
 from ._errors import InputError
 from ._extras import extra
 from ._tables import Table
-
-_LARGEST_BYTES = 64 << 20
-"""Largest file of a case or of landmarks, as in the program."""
 
 
 def file_name(file: Any) -> str:
@@ -33,19 +31,19 @@ def file_content(file: Any) -> bytes:
         If the object is not a file.
     """
     if hasattr(file, "read"):
-        content = file.read(_LARGEST_BYTES + 1)
+        content = file.read(_native.MAX_FILE_BYTES + 1)
     elif hasattr(file, "read_bytes"):
         with file.open("rb") as opened:
-            content = opened.read(_LARGEST_BYTES + 1)
+            content = opened.read(_native.MAX_FILE_BYTES + 1)
     elif hasattr(file, "__enter__"):
         with file as opened:
-            content = opened.read(_LARGEST_BYTES + 1)
+            content = opened.read(_native.MAX_FILE_BYTES + 1)
     else:
         raise TypeError(f"a path or a file is needed, not {type(file).__name__}")
     content = content.encode() if isinstance(content, str) else bytes(content)
-    if len(content) > _LARGEST_BYTES:
+    if len(content) > _native.MAX_FILE_BYTES:
         name = file_name(file) or "the file"
-        raise InputError(f"{name} has more than 64 MB", help="give the file of one patient")
+        raise InputError(f"{name} has more than {_native.MAX_FILE_BYTES >> 20} MB", help="give the file of one patient")
     return content
 
 

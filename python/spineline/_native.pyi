@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 VERSION: str
 BUILD: str
 IS_DEVELOPMENT: bool
+MAX_FILE_BYTES: int
 
 class Case:
     @property

@@ -52,4 +52,8 @@ mod _native {
     /// Whether it was built for development, which is slower than a release.
     #[pymodule_export]
     const IS_DEVELOPMENT: bool = cfg!(debug_assertions);
+
+    /// Largest file of a case or of landmarks.
+    #[pymodule_export]
+    const MAX_FILE_BYTES: u64 = spineline_files::MAX_FILE_BYTES;
 }
