@@ -9,10 +9,10 @@ use spineline::action::LineKind;
 use spineline::anatomy::Posture;
 use spineline::measure::Outline;
 use spineline::multibody::{
-    ForceSign, JointGroups, Statics, StiffnessLibrary, Support, match_amplitude,
+    FittedSprings, ForceSign, JointGroups, Statics, StiffnessLibrary, Support, match_amplitude,
 };
 use spineline::personalize::evidence::FilmEvidence;
-use spineline::personalize::{FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, personalize};
+use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
 use spineline::spatial::Angle;
 use spineline_phantom::Scenario;
 

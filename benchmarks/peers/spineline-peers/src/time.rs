@@ -7,12 +7,12 @@ use serde::Serialize;
 use spineline::clinical::Regions;
 use spineline::measure::Outline;
 use spineline::multibody::{
-    BodyLoad, ForceSign, GeneralStatics, JointGroups, Load, Loading, Solution, SpineModel, Statics,
-    StiffnessLibrary, Support, match_amplitude,
+    BodyLoad, FittedSprings, ForceSign, GeneralStatics, JointGroups, Load, Loading, Solution,
+    SpineModel, Statics, StiffnessLibrary, Support, match_amplitude,
 };
 use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
-    FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, Personalization, personalize,
+    FitFilm, FitSettings, FitTarget, Gauge, Personalization, personalize,
 };
 use spineline::spatial::{Mat3, Vec3};
 

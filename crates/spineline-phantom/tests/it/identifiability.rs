@@ -9,12 +9,12 @@ use spineline::anatomy::{Levels, Posture};
 use spineline::clinical::Regions;
 use spineline::measure::{Noise, Outline};
 use spineline::multibody::{
-    JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
+    FittedSprings, JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
 };
 use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
-    FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, Identifiability, LogNormalPrior,
-    Personalization, ProfileEnd, identify, personalize,
+    FitFilm, FitSettings, FitTarget, Gauge, Identifiability, LogNormalPrior, Personalization,
+    ProfileEnd, identify, personalize,
 };
 use spineline::spatial::{Angle, Frontal};
 use spineline_phantom::{Readers, Scenario, generate};

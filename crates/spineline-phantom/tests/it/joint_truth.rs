@@ -8,11 +8,11 @@ use spineline::anatomy::{Levels, Posture};
 use spineline::clinical::Regions;
 use spineline::measure::Outline;
 use spineline::multibody::{
-    JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
+    FittedSprings, JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
 };
 use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
-    FitFilm, FitSettings, FitStatus, FitTarget, FittedSprings, Gauge, StiffnessBound, personalize,
+    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, StiffnessBound, personalize,
 };
 use spineline::spatial::{Angle, Frontal};
 use spineline_phantom::{Readers, Scenario, generate};

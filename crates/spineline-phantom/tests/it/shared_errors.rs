@@ -16,11 +16,12 @@ use spineline::measure::{
     SpacingPlane, TiltRule, VertebraLandmarks, measure_film, measure_readings,
 };
 use spineline::multibody::{
-    ForceSign, JointGroups, Load, SpineModel, Statics, StiffnessLibrary, Support, match_amplitude,
+    FittedSprings, ForceSign, JointGroups, Load, SpineModel, Statics, StiffnessLibrary, Support,
+    match_amplitude,
 };
 use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
-    FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, ProfileEnd, identify, personalize,
+    FitFilm, FitSettings, FitTarget, Gauge, ProfileEnd, identify, personalize,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;

@@ -3,7 +3,7 @@
 use super::checks::warn_of_unknown_rotation;
 use super::measured::{at_erect_length, measure, widths_mm};
 use super::{AnalysisOptions, Case, Grouping, PreferredLine, Replicated};
-use crate::anatomy::{Level, Levels, Posture, SagittalProfile};
+use crate::anatomy::{Level, Levels, Posture, Region, SagittalProfile};
 use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
     Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions,
@@ -18,8 +18,7 @@ use crate::measure::{
     axial_rotations,
 };
 use crate::motion::{Motion, SegmentEstimate, least_windows, mean_least};
-use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
-use crate::personalize::FittedSprings;
+use crate::multibody::{FittedSprings, JointGroups, SpineModel, StiffnessLibrary};
 use crate::personalize::evidence::FilmEvidence;
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
@@ -247,6 +246,12 @@ impl Movement {
             }
             Grouping::PerJoint => JointGroups::per_joint(self.levels()),
         }
+    }
+
+    /// The end vertebrae of the curves on the erect film.
+    #[must_use]
+    pub fn end_vertebrae(&self) -> Vec<(Region, CobbEnds)> {
+        self.clinical.iter().map(|curve| (curve.region, curve.ends)).collect()
     }
 
     /// The unloaded spine with springs in groups.

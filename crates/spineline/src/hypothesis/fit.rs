@@ -186,8 +186,7 @@ fn fit_to<'a>(
     }
     let mut problem =
         Problem::new(spine.springs, films, &spine.settings, held.map(<[f64]>::to_vec));
-    problem.hints = hints;
-    let found = fit(&mut problem, None);
+    let found = fit(&mut problem, &hints, None);
     Some(Ended { problem, hypothesis, found })
 }
 

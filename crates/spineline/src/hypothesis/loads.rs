@@ -4,7 +4,6 @@ use super::{HypothesisFilm, LoadShape, Spine};
 use crate::action::LineOfAction;
 use crate::anatomy::trunk_weight_shares;
 use crate::multibody::{FilmUnderLoad, GeneralStatics, LoadedFilm, UnitKind, UnitLoad};
-use crate::personalize::FittedSprings;
 use crate::personalize::estimate::JointResponses;
 use crate::personalize::evidence::JointEvidence;
 use crate::spatial::{Frontal, Vec3};
@@ -120,7 +119,6 @@ impl HypothesisFilm<'_> {
 impl<'a> Spine<'a> {
     /// Its springs with given multipliers.
     pub(super) fn with_multipliers(&self, log_multipliers: &[f64]) -> GeneralStatics<'a> {
-        let FittedSprings { model, library, groups, .. } = self.springs;
-        LoadedFilm::springs(model, library, groups, log_multipliers, self.settings.support)
+        LoadedFilm::springs(self.springs, log_multipliers, self.settings.support)
     }
 }

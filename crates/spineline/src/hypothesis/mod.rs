@@ -39,8 +39,9 @@ pub use prediction::{CounterRotatingJoints, Role, ShapePrediction};
 use crate::anatomy::named;
 use crate::evaluate::RotationPrior;
 use crate::measure::Outline;
+use crate::multibody::FittedSprings;
 use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{Base, FitSettings, FittedSprings};
+use crate::personalize::{Base, FitSettings};
 use crate::spatial::Frontal;
 
 named! {

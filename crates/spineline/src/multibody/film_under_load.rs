@@ -4,6 +4,7 @@ use super::{
     ForceSign, JointGroups, Load, Parameter, Solution, SpineModel, Statics, StiffnessLibrary,
     Support, match_amplitude,
 };
+use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};
 
 /// What an equilibrium comes with.
@@ -25,6 +26,19 @@ pub(crate) struct TurnedBase {
     pub parameter: usize,
 }
 
+/// A spine with its springs, in groups.
+#[derive(Debug, Clone, Copy)]
+pub struct FittedSprings<'a> {
+    /// The unloaded spine.
+    pub model: &'a SpineModel,
+    /// The erect film, from which it is made.
+    pub erect: &'a Outline,
+    /// Nominal springs.
+    pub library: &'a StiffnessLibrary,
+    /// Which joints share a multiplier.
+    pub groups: &'a JointGroups,
+}
+
 /// The equilibrium of one film. Parameters of derivatives are `ln α` of every group, the components of the load, and the
 /// base's angle.
 pub(crate) trait FilmUnderLoad {
@@ -33,9 +47,7 @@ pub(crate) trait FilmUnderLoad {
 
     /// Springs of a library with one multiplier per group of joints.
     fn springs<'a>(
-        model: &'a SpineModel,
-        library: &StiffnessLibrary,
-        groups: &'a JointGroups,
+        spine: FittedSprings<'a>,
         log_multipliers: &[f64],
         support: Support,
     ) -> Self::Springs<'a>;
@@ -119,13 +131,11 @@ impl FilmUnderLoad for MarchedFilm {
     type Springs<'a> = Statics<'a>;
 
     fn springs<'a>(
-        model: &'a SpineModel,
-        library: &StiffnessLibrary,
-        groups: &'a JointGroups,
+        spine: FittedSprings<'a>,
         log_multipliers: &[f64],
         support: Support,
     ) -> Statics<'a> {
-        Statics::new(model, library, groups, log_multipliers, support)
+        Statics::new(spine.model, spine.library, spine.groups, log_multipliers, support)
     }
 
     fn components(&self) -> usize {

@@ -1,9 +1,9 @@
 //! One film under components of unit loads, by the general solver.
 
 use super::{
-    FilmUnderLoad, ForceSign, GeneralStatics, JointGroups, LoadItem, Loading, MAX_HINGE_RAD,
-    NewtonWork, ShapeParameter, Solution, SpineModel, StiffnessLibrary, Support, TurnedBase,
-    UnitLoad, Wanted, coupled_matrix,
+    FilmUnderLoad, FittedSprings, ForceSign, GeneralStatics, JointGroups, LoadItem, Loading,
+    MAX_HINGE_RAD, NewtonWork, ShapeParameter, Solution, SpineModel, Support, TurnedBase, UnitLoad,
+    Wanted, coupled_matrix,
 };
 use crate::spatial::{Angle, Vec3};
 
@@ -114,18 +114,17 @@ impl FilmUnderLoad for LoadedFilm {
     type Springs<'a> = GeneralStatics<'a>;
 
     fn springs<'a>(
-        model: &'a SpineModel,
-        library: &StiffnessLibrary,
-        groups: &'a JointGroups,
+        spine: FittedSprings<'a>,
         log_multipliers: &[f64],
         support: Support,
     ) -> GeneralStatics<'a> {
-        let springs = library.rows().iter().zip(groups.of_joint()).map(|(row, &group)| {
+        let joints = spine.library.rows().iter().zip(spine.groups.of_joint());
+        let springs = joints.map(|(row, &group)| {
             let [lateral, flexion, axial] = row.nmm_per_rad;
             let springs = [lateral * log_multipliers[group].exp(), flexion, axial];
             coupled_matrix(springs, row.axial_per_lateral)
         });
-        GeneralStatics::new(model, springs, support).expect(
+        GeneralStatics::new(spine.model, springs, support).expect(
             "a library has one positive spring per joint and axis, and multipliers are positive",
         )
     }

@@ -34,6 +34,7 @@ mod target;
 mod unit_load;
 
 pub use bodies::BodySize;
+pub use film_under_load::FittedSprings;
 pub(crate) use film_under_load::{FilmUnderLoad, MarchedFilm, TurnedBase, Wanted};
 pub use follow::{BranchEventKind, PathEnding};
 pub use general::{

@@ -1,12 +1,12 @@
 //! One film of a fit: its data, its residuals and their derivatives.
 
+use super::Base;
 use super::estimate::JointResponses;
 use super::shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
-use super::{Base, FittedSprings};
 use crate::clinical::{RegionBounds, Regions, ferguson_angle};
 use crate::least_squares::System;
 use crate::measure::Outline;
-use crate::multibody::{FilmUnderLoad, Wanted};
+use crate::multibody::{FilmUnderLoad, FittedSprings, Wanted};
 use crate::spatial::{Angle, Frontal};
 
 /// One film's data.

@@ -4,8 +4,8 @@ use super::estimate::JointResponses;
 use super::film::FilmData;
 use super::problem::Problem;
 use super::search::fit;
-use super::{Base, FitFilm, FitSettings, FittedSprings, Personalization};
-use crate::multibody::MarchedFilm;
+use super::{Base, FitFilm, FitSettings, Personalization};
+use crate::multibody::{FittedSprings, MarchedFilm};
 
 /// Fits multipliers and loads to bending films.
 ///
@@ -18,9 +18,9 @@ use crate::multibody::MarchedFilm;
 /// ```
 /// use spineline::action::LineOfAction;
 /// use spineline::analysis::{AnalysisOptions, analyze_movement};
-/// use spineline::multibody::{JointGroups, Load, StiffnessLibrary, Support};
+/// use spineline::multibody::{FittedSprings, JointGroups, Load, StiffnessLibrary, Support};
 /// use spineline::personalize::{
-///     FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, personalize,
+///     FitFilm, FitSettings, FitTarget, Gauge, personalize,
 /// };
 /// use spineline_phantom::{Readers, Scenario, generate};
 ///
@@ -58,7 +58,7 @@ pub fn personalize(
     settings: &FitSettings<'_>,
     start: Option<&Personalization>,
 ) -> Personalization {
-    fit(&mut problem_of(springs, films, settings), start)
+    fit(&mut problem_of(springs, films, settings), settings.hints, start)
 }
 
 /// The least squares of bends under loads on T2.

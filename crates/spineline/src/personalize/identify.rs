@@ -34,11 +34,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::fit::problem_of;
 use super::problem::Problem;
-use super::{
-    FitFilm, FitSettings, FittedSprings, Gauge, GroupStiffness, MULTIPLIER_BOUNDS, Personalization,
-};
+use super::{FitFilm, FitSettings, Gauge, GroupStiffness, MULTIPLIER_BOUNDS, Personalization};
 use crate::least_squares::{FitStatus, Minimum, minimize};
-use crate::multibody::MarchedFilm;
+use crate::multibody::{FittedSprings, MarchedFilm};
 
 /// How often a 95 % interval of the mean stiffness of a group ([`GroupStiffness`]) holds the true one, in words: wherever it is shown.
 pub const STIFFNESS_COVERAGE: &str = "The 95 % interval is of the mean stiffness of the joints, by a mixed model: joints of a group may differ, and landmarks have noise. On synthetic spines it held the true value in 90 to 99 % of tries where springs are linear, and in 68 to 89 % where they stiffen.";

@@ -51,7 +51,7 @@ pub use start::Start;
 use crate::anatomy::{Posture, named};
 use crate::clinical::Regions;
 use crate::measure::Outline;
-use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary, Support};
+use crate::multibody::{Load, Support};
 use evidence::FilmEvidence;
 
 /// The scale constraint, which fixes the overall level of stiffness and force.
@@ -140,19 +140,6 @@ impl LogNormalPrior {
 
 /// Bounds of a multiplier.
 pub const MULTIPLIER_BOUNDS: [f64; 2] = [0.1, 10.0];
-
-/// The springs of a spine, in groups.
-#[derive(Debug, Clone, Copy)]
-pub struct FittedSprings<'a> {
-    /// The unloaded spine.
-    pub model: &'a SpineModel,
-    /// The erect film, from which it is made.
-    pub erect: &'a Outline,
-    /// Nominal springs.
-    pub library: &'a StiffnessLibrary,
-    /// Which joints share a multiplier.
-    pub groups: &'a JointGroups,
-}
 
 /// One bend to be fitted.
 #[derive(Debug, Clone, Copy)]

@@ -4,9 +4,9 @@ use nalgebra::DVector;
 
 use super::film::{FilmData, Place};
 use super::start::Start;
-use super::{Base, FitSettings, FitTarget, FittedSprings, Gauge, MULTIPLIER_BOUNDS};
+use super::{Base, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
 use crate::least_squares::{Minimum, System};
-use crate::multibody::{FilmUnderLoad, MAX_HINGE_RAD, Wanted};
+use crate::multibody::{FilmUnderLoad, FittedSprings, MAX_HINGE_RAD, Wanted};
 
 /// Residuals and derivatives of all films for given unknowns: `ln α` of every group, then per film the components of its load and the
 /// angle of a base that may turn.
@@ -20,8 +20,6 @@ pub(crate) struct Problem<'a, F> {
     pub films: Vec<FilmData<'a, F>>,
     /// Multipliers that are known already.
     pub(super) held: Option<Vec<f64>>,
-    /// Starts beside those in closed form.
-    pub hints: Vec<Start>,
 }
 
 impl<'a, F: FilmUnderLoad> Problem<'a, F> {
@@ -36,8 +34,7 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
             film.first = next;
             next += film.load.len();
         }
-        let hints = settings.hints.to_vec();
-        Self { springs, settings: *settings, films, held, hints }
+        Self { springs, settings: *settings, films, held }
     }
 
     pub fn settings(&self) -> FitSettings<'a> {
@@ -119,8 +116,7 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
 
     /// Springs of all joints with given multipliers.
     pub fn springs(&self, log_multipliers: &[f64]) -> F::Springs<'a> {
-        let FittedSprings { model, library, groups, .. } = self.springs;
-        F::springs(model, library, groups, log_multipliers, self.settings.support)
+        F::springs(self.springs, log_multipliers, self.settings.support)
     }
 
     /// Puts a start's loads in place, and gives its unknowns. A base that the start lacks does not turn.

@@ -23,23 +23,24 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
     }
 }
 
-/// The best fit of a problem. `start` is the fit to other readings of its films.
+/// The best fit of a problem. `hints` are starts beside those in closed form, and `start` is the fit to other readings of its films.
 pub(crate) fn fit<F: FilmUnderLoad>(
     problem: &mut Problem<'_, F>,
+    hints: &[Start],
     start: Option<&Personalization>,
 ) -> Personalization {
     // The prior becomes stronger with the variance of the films about the model, which a fit without the prior estimates.
     let settings = problem.settings();
     let free = settings.prior.map(|_| {
         problem.set(FitSettings { prior: None, ..settings });
-        fit(problem, start)
+        fit(problem, hints, start)
     });
     if let Some(free) = &free {
         problem.set(settings.weighed(free.variance_factor));
     }
     let mut best = Best::default();
     if !best.follows(problem, start) {
-        best.search_all(problem, free.as_ref());
+        best.search_all(problem, hints, free.as_ref());
     }
     let found = best.result(problem, free.as_ref());
     problem.set(settings);
@@ -80,10 +81,11 @@ impl Best {
     fn search_all<F: FilmUnderLoad>(
         &mut self,
         problem: &mut Problem<'_, F>,
+        hints: &[Start],
         free: Option<&Personalization>,
     ) {
         let enough = satisfied_rms(problem.target());
-        let mut starts = problem.starts();
+        let mut starts = problem.starts(hints);
         if let Some(free) = free {
             starts.insert(0, free.as_start());
         }
@@ -99,7 +101,7 @@ impl Best {
         if problem.target() == FitTarget::Ferguson && !self.satisfies(problem, enough) {
             let settings = problem.settings();
             problem.set(FitSettings { target: FitTarget::Shape, ..settings });
-            let shape = fit(problem, None);
+            let shape = fit(problem, hints, None);
             problem.set(settings);
             self.improve(problem, &shape.as_start());
         }

@@ -18,7 +18,7 @@ impl<F: FilmUnderLoad> Problem<'_, F> {
 
     /// Starts, the likeliest first: for loads of one component on a base at rest in closed form, for the majority's signs of the loads
     /// and then for every other combination; for others from estimated loads; and the hints, which are first where a base may turn.
-    pub(super) fn starts(&self) -> Vec<Start> {
+    pub(super) fn starts(&self, hints: &[Start]) -> Vec<Start> {
         if self.films.is_empty() {
             return Vec::new();
         }
@@ -29,7 +29,7 @@ impl<F: FilmUnderLoad> Problem<'_, F> {
             None => self.estimated_starts(),
         };
         let first = if self.has_turning_base() { 0 } else { starts.len() };
-        starts.splice(first..first, self.hints.iter().cloned());
+        starts.splice(first..first, hints.iter().cloned());
         starts
     }
 
@@ -90,13 +90,14 @@ impl<F: FilmUnderLoad> Problem<'_, F> {
             self.films.iter().map(|film| &film.measured).collect();
         let majority: Vec<f64> = films.iter().map(|film| majority_sign(film, groups)).collect();
         let start = |signs: Vec<f64>| {
-            let start = closed_form(&films, groups, &signs);
-            if self.settings().gauge != Gauge::FrozenForce {
-                return start;
-            }
+            let mut start = closed_form(&films, groups, &signs);
             let nominal = Start { log_multipliers: vec![0.0; groups.len()], ..start.clone() };
-            let frozen = self.at_amplitude(&nominal);
-            frozen.map_or(start.clone(), |frozen| Start { loads: frozen.loads, ..start })
+            if self.settings().gauge == Gauge::FrozenForce
+                && let Some(frozen) = self.at_amplitude(&nominal)
+            {
+                start.loads = frozen.loads;
+            }
+            start
         };
         all_signs(&majority).map(start).collect()
     }

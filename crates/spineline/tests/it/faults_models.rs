@@ -6,12 +6,10 @@ use spineline::anatomy::{Level, Levels, Posture};
 use spineline::error::Error;
 use spineline::evaluate::{ForceChoice, Target, simulate};
 use spineline::multibody::{
-    ForceSign, JointGroups, JointStiffness, Load, PathEnding, Residual, Statics, StiffnessError,
-    StiffnessLibrary, Support, amplitude_matches, match_amplitude,
+    FittedSprings, ForceSign, JointGroups, JointStiffness, Load, PathEnding, Residual, Statics,
+    StiffnessError, StiffnessLibrary, Support, amplitude_matches, match_amplitude,
 };
-use spineline::personalize::{
-    FitSettings, FitStatus, FitTarget, FittedSprings, Gauge, personalize,
-};
+use spineline::personalize::{FitSettings, FitStatus, FitTarget, Gauge, personalize};
 use spineline::spatial::{Angle, Frontal};
 use spineline::warning::Step;
 

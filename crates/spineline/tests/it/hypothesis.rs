@@ -10,10 +10,11 @@ use spineline::hypothesis::{
 };
 use spineline::measure::Outline;
 use spineline::multibody::{
-    BodyLoad, ForceSign, GeneralStatics, JointGroups, Load, LoadItem, Loading, NewtonWork,
-    PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing, match_t2,
+    BodyLoad, FittedSprings, ForceSign, GeneralStatics, JointGroups, Load, LoadItem, Loading,
+    NewtonWork, PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing,
+    match_t2,
 };
-use spineline::personalize::{Base, FitSettings, FitTarget, FittedSprings, Gauge};
+use spineline::personalize::{Base, FitSettings, FitTarget, Gauge};
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
 use spineline_phantom::{Readers, Scenario, generate};
 
