@@ -114,9 +114,7 @@ fn exported(
         _ => {
             sources = dicom_sources(case, posture, dicom)?;
             curves = match analyze(&case.case, &AnalysisOptions::default()) {
-                Ok(found) => {
-                    found.movement.clinical.iter().map(|curve| (curve.region, curve.ends)).collect()
-                }
+                Ok(found) => found.movement.end_vertebrae(),
                 Err(error) => {
                     notes.push(format!("the reports have no Cobb angles: {error}"));
                     Vec::new()

@@ -252,9 +252,7 @@ fn read_sources(
 /// The ends of the curves as `spineline analyze` finds them; empty if the case cannot be analysed.
 fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
     match analyze(case, &AnalysisOptions::default()) {
-        Ok(analysis) => {
-            analysis.movement.clinical.iter().map(|curve| (curve.region, curve.ends)).collect()
-        }
+        Ok(analysis) => analysis.movement.end_vertebrae(),
         Err(error) => {
             say(format!("note: the reports have no Cobb angles: {error}"));
             Vec::new()

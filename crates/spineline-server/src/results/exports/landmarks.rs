@@ -6,8 +6,7 @@ use std::time::SystemTime;
 use axum::http::StatusCode;
 use chrono::{DateTime, Utc};
 use spineline::analysis::{Analysis, Case};
-use spineline::anatomy::{Posture, Region};
-use spineline::clinical::CobbEnds;
+use spineline::anatomy::Posture;
 use spineline_landmarks::{
     LandmarkExportError, LandmarkTarget, SourceImage, export_landmarks, parse_source,
 };
@@ -42,8 +41,7 @@ pub fn dicom_sr(
     case: &Case,
     sources: &BTreeMap<Posture, SourceImage>,
 ) -> Answer<Download> {
-    let curves: Vec<(Region, CobbEnds)> =
-        analysis.movement.clinical.iter().map(|curve| (curve.region, curve.ends)).collect();
+    let curves = analysis.movement.end_vertebrae();
     let now = DateTime::<Utc>::from(SystemTime::now());
     let [date, time] = ["%Y%m%d", "%H%M%S"].map(|form| now.format(form).to_string());
     let target = LandmarkTarget::DicomSr { sources, curves: &curves, written: [&date, &time] };
