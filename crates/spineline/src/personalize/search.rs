@@ -96,6 +96,7 @@ impl Best {
         if self.satisfies(problem, enough) {
             return;
         }
+        starts.extend(problem.further_starts());
         self.improve_further(problem, &starts, enough);
         // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
         if problem.target() == FitTarget::Ferguson && !self.satisfies(problem, enough) {

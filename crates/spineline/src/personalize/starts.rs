@@ -33,6 +33,14 @@ impl<F: FilmUnderLoad> Problem<'_, F> {
         starts
     }
 
+    /// Starts that are tried where the first of [`Self::starts`] does not satisfy the films: for loads of one component, those from
+    /// estimated loads. A frozen force is the force at the amplitude instead.
+    pub(super) fn further_starts(&self) -> Vec<Start> {
+        let one = self.films.iter().all(|film| film.load.len() == 1);
+        let is_frozen = self.settings().gauge == Gauge::FrozenForce;
+        if one && !is_frozen && self.held.is_none() { self.estimated_starts() } else { Vec::new() }
+    }
+
     /// The starts of a force along a line with the first forces that reach the amplitudes.
     pub(super) fn starts_at_amplitude(&self) -> Vec<Start> {
         let signed = if self.held.is_none() { self.signed_starts() } else { Vec::new() };
