@@ -152,9 +152,6 @@ pub enum FileError {
         /// What is missing.
         part: &'static str,
     },
-    /// The gauge of a known force without the force.
-    #[error("the scale constraint (`gauge`) is `known_force`, but `known_force` is missing")]
-    NoKnownForce,
     /// Replicates without a seed.
     #[error("`replicates` is given, but `seed` is missing")]
     NoSeed,
@@ -373,7 +370,7 @@ impl FileError {
             Self::SpacingOfPixels { .. } => {
                 "remove the spacings, or give their plane: patient, detector or unknown"
             }
-            Self::NotRepeatable { .. } | Self::NoKnownForce | Self::NoSeed => {
+            Self::NotRepeatable { .. } | Self::NoSeed => {
                 "analyse the case again with `spineline analyze CASE --json FILE`"
             }
             Self::LearnedFrom { .. } => {

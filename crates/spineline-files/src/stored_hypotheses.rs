@@ -9,13 +9,12 @@ use spineline::measure::FilmScale;
 use spineline::multibody::PathEnding;
 use spineline::spatial::{Angle, Frontal};
 
-use crate::options_record::HypothesisKey;
 use crate::stored_identifiability::Limit;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stored {
-    hypothesis: HypothesisKey,
+    hypothesis: String,
     status: String,
     log_multipliers: Vec<f64>,
     chi_squared: Limit,
@@ -74,7 +73,7 @@ fn stored(fit: &HypothesisFit) -> Stored {
         is_beyond_human_range: lost.reason == PathEnding::BeyondHumanRange,
     };
     Stored {
-        hypothesis: HypothesisKey(fit.hypothesis),
+        hypothesis: fit.hypothesis.key(),
         status: fit.status.key().to_owned(),
         log_multipliers: fit.log_multipliers.clone(),
         chi_squared: fit.criteria.chi_squared.into(),
@@ -114,7 +113,7 @@ fn fit(stored: Stored) -> Option<HypothesisFit> {
     };
     let free = stored.fitted.checked_sub(1)?;
     Some(HypothesisFit {
-        hypothesis: stored.hypothesis.0,
+        hypothesis: stored.hypothesis.parse().ok()?,
         status: stored.status.parse().ok()?,
         log_multipliers: stored.log_multipliers,
         criteria: Criteria::new(stored.chi_squared.into(), stored.measured, free),

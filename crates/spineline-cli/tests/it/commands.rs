@@ -175,7 +175,7 @@ fn identifiability_is_reported_on_request_with_and_without_a_prior() {
     assert!(with(&prior).contains("share"));
     let json = with(&[&prior[..], &["--json", "-"]].concat());
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON and nothing else");
-    assert_eq!(json["provenance"]["options"]["prior_log_sd"], 0.5);
+    assert_eq!(json["provenance"]["options"]["prior"], "in-vivo");
     let joint = &json["models"]["inflection_line"]["identifiability"]["multipliers"]["L4/L3"];
     let [films, both] = ["log_sd", "log_sd_with_prior"].map(|key| joint[key].as_f64());
     assert!(both < films && both < Some(0.5), "{joint}");

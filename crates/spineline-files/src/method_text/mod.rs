@@ -59,6 +59,12 @@ pub enum OptionError {
         /// What is expected.
         reason: String,
     },
+    /// A file of an analysis without this option.
+    #[error("option `{name}` is missing")]
+    Missing {
+        /// The option.
+        name: String,
+    },
     /// A file that cannot be read.
     #[error("option `{name}`: {error}")]
     File {
@@ -74,7 +80,7 @@ impl OptionError {
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
-            Self::Unknown { .. } | Self::Value { .. } => {
+            Self::Unknown { .. } | Self::Value { .. } | Self::Missing { .. } => {
                 "`spineline analyze --help` lists every option with its values"
             }
             Self::File { error, .. } => error.help(),
@@ -118,15 +124,27 @@ pub struct OptionFile {
 pub fn options_of<'a>(
     given: impl IntoIterator<Item = (&'a str, &'a str)>,
 ) -> Result<(AnalysisOptions, Vec<OptionFile>), OptionError> {
+    let mut files = Vec::new();
+    let options = set_in_order(given, |options, name, value| {
+        files.extend(set_option(options, name, value)?);
+        Ok(())
+    })?;
+    Ok((options, files))
+}
+
+/// Sets options one after the other in the order of [`OPTIONS`].
+pub(crate) fn set_in_order<'a>(
+    given: impl IntoIterator<Item = (&'a str, &'a str)>,
+    mut set: impl FnMut(&mut AnalysisOptions, &'static str, &'a str) -> Result<(), OptionError>,
+) -> Result<AnalysisOptions, OptionError> {
     let known = given.into_iter().map(|(name, value)| Ok((option_of(name)?, value)));
     let mut known: Vec<_> = known.collect::<Result<_, OptionError>>()?;
     known.sort_by_key(|((place, _), _)| *place);
     let mut options = AnalysisOptions::default();
-    let mut files = Vec::new();
     for ((_, option), value) in known {
-        files.extend(set_option(&mut options, option.name, value)?);
+        set(&mut options, option.name, value)?;
     }
-    Ok((options, files))
+    Ok(options)
 }
 
 /// Sets one option by its name, and returns the file that its value names, if it names one. A `given_line` is added to those that
@@ -154,7 +172,7 @@ pub fn set_option(
 
 /// Sets one option without reading a file: where its value names one, the text of the file is given. Returns the distribution of joint
 /// rotations that the file holds.
-fn set_option_of_text(
+pub(crate) fn set_option_of_text(
     options: &mut AnalysisOptions,
     name: &str,
     value: &str,

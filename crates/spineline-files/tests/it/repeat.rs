@@ -49,7 +49,7 @@ fn odd_options() -> AnalysisOptions {
         film_lengths: FilmLengthRule::PerFilm { relative_sd: 0.02 },
         tilt: TiltRule::Axis,
         amplitude: AmplitudeEnds::T1L5,
-        ends: EndChoice { rule: EndRule::EachFilm, given: [None, Some(ends), None] },
+        ends: EndChoice { rule: EndRule::Erect, given: [None, Some(ends), None] },
         order_rule: OrderRule::Fixed(7),
         inflections: InflectionChoice::ByHand([
             site(Level::L1, Level::T12),
@@ -151,14 +151,13 @@ fn an_analysis_that_cannot_be_repeated_says_what_is_missing() {
     assert!(matches!(options, FileError::NotRepeatable { part: "provenance.options" }));
     assert!(options.help().contains("analyze"));
     assert!(matches!(without("/provenance", "seed"), FileError::NoSeed));
-    assert!(matches!(without("/provenance/options", "known_force"), FileError::NoKnownForce));
-    for key in ["tilt", "film_length_sd", "end_vertebrae", "inflections", "prior_log_sd"] {
+    for key in ["tilt", "film_lengths", "end_vertebrae", "inflections", "prior"] {
         let error = without("/provenance/options", key).to_string();
-        assert!(error.contains(&format!("missing field `{key}`")), "{error}");
+        assert!(error.contains(&format!("option `{key}` is missing")), "{error}");
     }
-    let unknown = to_text(&file).replace("\"couple\"", "\"copule\"");
+    let unknown = to_text(&file).replace("\"couple,", "\"copule,");
     let error = parse_analysis(&unknown).expect_err("an unknown load").to_string();
-    assert!(error.contains("copule") && error.contains("compared_models"), "{error}");
+    assert!(error.contains("copule") && error.contains("compare_models"), "{error}");
     let case = to_text(&CaseFile::from_case(&case));
     assert!(matches!(parse_analysis(&case), Err(FileError::Format { .. })));
 }
