@@ -17,11 +17,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 }
 
 /// All accounts, by name.
-#[utoipa::path(get, path = "/api/accounts", responses(
-    (status = 200, body = Vec<AccountView>),
-    (status = 401, body = Problem),
-    (status = 403, body = Problem),
-))]
+#[utoipa::path(get, path = "/api/accounts", responses((status = 200, body = Vec<AccountView>), Problem))]
 async fn accounts(State(state): State<AppState>, user: User) -> Answer<Json<Vec<AccountView>>> {
     user.need(Role::Admin)?;
     let accounts = state.store(|store| store.accounts()).await?;
@@ -31,13 +27,7 @@ async fn accounts(State(state): State<AppState>, user: User) -> Answer<Json<Vec<
 /// Makes an account, or changes one.
 #[utoipa::path(put, path = "/api/accounts/{name}", request_body = AccountEdit,
     params(("name" = String, Path)),
-    responses(
-        (status = 200, body = AccountView),
-        (status = 401, body = Problem),
-        (status = 403, body = Problem),
-        (status = 409, body = Problem),
-        (status = 422, body = Problem),
-    ))]
+    responses((status = 200, body = AccountView), Problem))]
 async fn put_account(
     State(state): State<AppState>,
     user: User,

@@ -27,17 +27,14 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Names of the archives from which films can be opened; none where `serve` was started without `--dicomweb`.
 #[utoipa::path(get, path = "/api/archives",
-    responses((status = 200, body = Vec<String>), (status = 401, body = Problem)))]
+    responses((status = 200, body = Vec<String>), Problem))]
 async fn archives(State(state): State<AppState>, _user: User) -> Json<Vec<String>> {
     Json(state.archives().names())
 }
 
 /// Searches an archive for the films of one patient or one order. The log of the store has an entry for it, without the value.
 #[utoipa::path(post, path = "/api/archives/search", request_body = ArchiveSearch,
-    responses((status = 200, body = ArchiveSeriesList), (status = 401, body = Problem),
-        (status = 403, body = Problem), (status = 404, body = Problem),
-        (status = 413, body = Problem), (status = 422, body = Problem),
-        (status = 502, body = Problem), (status = 504, body = Problem)))]
+    responses((status = 200, body = ArchiveSeriesList), Problem))]
 async fn search(
     State(state): State<AppState>,
     user: User,
@@ -62,10 +59,7 @@ async fn search(
 
 /// The films of a series in an archive.
 #[utoipa::path(post, path = "/api/archives/films", request_body = ArchiveSeriesChoice,
-    responses((status = 200, body = ArchiveFilmList), (status = 401, body = Problem),
-        (status = 403, body = Problem), (status = 404, body = Problem),
-        (status = 413, body = Problem), (status = 422, body = Problem),
-        (status = 502, body = Problem), (status = 504, body = Problem)))]
+    responses((status = 200, body = ArchiveFilmList), Problem))]
 async fn films(
     State(state): State<AppState>,
     user: User,
@@ -84,11 +78,7 @@ async fn films(
 /// Opens a film of an archive, if the answer is that film and belongs to the patient of the search. It becomes an
 /// upload, with the same checks and limits. The log of the store has an entry for it.
 #[utoipa::path(post, path = "/api/archives/open", request_body = ArchiveFilmChoice,
-    responses((status = 200, body = UploadView), (status = 401, body = Problem),
-        (status = 403, body = Problem), (status = 404, body = Problem),
-        (status = 413, body = Problem), (status = 422, body = Problem),
-        (status = 429, body = Problem), (status = 502, body = Problem),
-        (status = 504, body = Problem)))]
+    responses((status = 200, body = UploadView), Problem))]
 async fn open(
     State(state): State<AppState>,
     user: User,

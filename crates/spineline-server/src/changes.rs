@@ -28,8 +28,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// Server-sent events `change` with a `Change`. A blinded reader receives own changes only. The stream ends with the
 /// session, and when the role, the grant or the blinding of the account changes: the page then asks again.
 #[utoipa::path(get, path = "/api/studies/{study}/changes", params(("study" = String, Path)),
-    responses((status = 200, content_type = "text/event-stream", body = Change),
-        (status = 404, body = Problem)))]
+    responses((status = 200, content_type = "text/event-stream", body = Change), Problem))]
 async fn changes(
     State(state): State<AppState>,
     user: User,

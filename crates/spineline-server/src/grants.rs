@@ -18,12 +18,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 }
 
 /// The grants of a study, by name. Admins need no grant.
-#[utoipa::path(get, path = "/api/studies/{id}/grants", params(("id" = String, Path)), responses(
-    (status = 200, body = Vec<Grant>),
-    (status = 401, body = Problem),
-    (status = 403, body = Problem),
-    (status = 404, body = Problem),
-))]
+#[utoipa::path(get, path = "/api/studies/{id}/grants", params(("id" = String, Path)), responses((status = 200, body = Vec<Grant>), Problem))]
 async fn grants(
     State(state): State<AppState>,
     user: User,
@@ -42,13 +37,7 @@ async fn grants(
 /// Replaces the grants of a study. Accounts that are not listed can no longer see it.
 #[utoipa::path(put, path = "/api/studies/{id}/grants", request_body = Vec<Grant>,
     params(("id" = String, Path)),
-    responses(
-        (status = 200, body = Vec<Grant>),
-        (status = 401, body = Problem),
-        (status = 403, body = Problem),
-        (status = 404, body = Problem),
-        (status = 422, body = Problem),
-    ))]
+    responses((status = 200, body = Vec<Grant>), Problem))]
 async fn put_grants(
     State(state): State<AppState>,
     user: User,

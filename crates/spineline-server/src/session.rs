@@ -37,7 +37,7 @@ async fn sign_in_page(State(state): State<AppState>) -> Json<SignInPage> {
 
 /// The current session.
 #[utoipa::path(get, path = "/api/session",
-    responses((status = 200, body = SessionView), (status = 401, body = Problem)))]
+    responses((status = 200, body = SessionView), Problem))]
 async fn session(
     State(state): State<AppState>,
     user: User,
@@ -50,12 +50,7 @@ async fn session(
 
 /// Signs in. An earlier session of the browser ends.
 #[utoipa::path(post, path = "/api/session", request_body = SignIn,
-    responses(
-        (status = 200, body = SessionView),
-        (status = 401, body = Problem),
-        (status = 422, body = Problem),
-        (status = 429, body = Problem),
-    ))]
+    responses((status = 200, body = SessionView), Problem))]
 async fn sign_in(
     State(state): State<AppState>,
     Extension(from): Extension<RequestSource>,
@@ -183,14 +178,7 @@ fn wrong_password() -> Failure {
 /// Changes the user's own password. All other sessions of the account end, and so do the proofs of browsers that
 /// signed in lately.
 #[utoipa::path(put, path = "/api/session/password", request_body = PasswordChange,
-    responses(
-        (status = 200, body = SessionView),
-        (status = 401, body = Problem),
-        (status = 403, body = Problem),
-        (status = 409, body = Problem),
-        (status = 422, body = Problem),
-        (status = 429, body = Problem),
-    ))]
+    responses((status = 200, body = SessionView), Problem))]
 async fn change_password(
     State(state): State<AppState>,
     user: User,
@@ -227,7 +215,7 @@ async fn change_password(
 
 /// Signs out.
 #[utoipa::path(delete, path = "/api/session",
-    responses((status = 204), (status = 401, body = Problem), (status = 403, body = Problem)))]
+    responses((status = 204), Problem))]
 async fn sign_out(
     State(state): State<AppState>,
     _user: User,

@@ -1,7 +1,10 @@
 //! Types shared by all parts of the interface.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::openapi::{Content, Ref, RefOr, Response, ResponseBuilder};
+use utoipa::{IntoResponses, ToSchema};
 
 use super::{LineKindName, PostureName};
 
@@ -45,4 +48,16 @@ pub struct Problem {
     pub message: String,
     /// Remedy.
     pub help: Option<String>,
+}
+
+/// Every request may be refused with a [`Problem`].
+impl IntoResponses for Problem {
+    fn responses() -> BTreeMap<String, RefOr<Response>> {
+        let body = Content::new(Some(Ref::from_schema_name("Problem")));
+        let refusal = ResponseBuilder::new()
+            .description("Refused: the body says why and what helps")
+            .content("application/json", body)
+            .build();
+        BTreeMap::from([("default".to_owned(), refusal.into())])
+    }
 }

@@ -22,8 +22,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Measures a length or an angle that is drawn on a film, and stores nothing.
 #[utoipa::path(post, path = "/api/films/{film}/drawn", params(("film" = i64, Path)), request_body = DrawnRequest,
-    responses((status = 200, body = DrawnView), (status = 404, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = DrawnView), Problem))]
 async fn drawn(
     State(state): State<AppState>,
     user: User,

@@ -37,8 +37,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Pixels of a film: 16-bit little-endian words by rows; larger values are brighter.
 #[utoipa::path(get, path = "/api/films/{film}/pixels", params(("film" = i64, Path)),
-    responses((status = 200, content_type = "application/octet-stream"),
-        (status = 404, body = Problem)))]
+    responses((status = 200, content_type = "application/octet-stream"), Problem))]
 async fn film_pixels(
     State(state): State<AppState>,
     user: User,
@@ -50,8 +49,7 @@ async fn film_pixels(
 
 /// Pixels of the film of a reading, in the same format.
 #[utoipa::path(get, path = "/api/readings/{reading}/pixels", params(("reading" = i64, Path)),
-    responses((status = 200, content_type = "application/octet-stream"),
-        (status = 404, body = Problem)))]
+    responses((status = 200, content_type = "application/octet-stream"), Problem))]
 async fn reading_pixels(
     State(state): State<AppState>,
     user: User,
@@ -63,7 +61,7 @@ async fn reading_pixels(
 
 /// A thumbnail of a film.
 #[utoipa::path(get, path = "/api/films/{film}/thumbnail", params(("film" = i64, Path)),
-    responses((status = 200, content_type = "image/png"), (status = 404, body = Problem)))]
+    responses((status = 200, content_type = "image/png"), Problem))]
 async fn film_thumbnail(
     State(state): State<AppState>,
     user: User,
@@ -75,7 +73,7 @@ async fn film_thumbnail(
 
 /// A thumbnail of the film of a reading.
 #[utoipa::path(get, path = "/api/readings/{reading}/thumbnail", params(("reading" = i64, Path)),
-    responses((status = 200, content_type = "image/png"), (status = 404, body = Problem)))]
+    responses((status = 200, content_type = "image/png"), Problem))]
 async fn reading_thumbnail(
     State(state): State<AppState>,
     user: User,
@@ -87,8 +85,7 @@ async fn reading_thumbnail(
 
 /// Changes a film's record.
 #[utoipa::path(post, path = "/api/films/{film}/edits", params(("film" = i64, Path)), request_body = FilmChange,
-    responses((status = 200, body = FilmSummary), (status = 404, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, body = FilmSummary), Problem))]
 async fn edit(
     State(state): State<AppState>,
     user: User,

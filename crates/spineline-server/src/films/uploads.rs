@@ -40,10 +40,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// Uploads the file of one film: DICOM, PNG, JPEG or TIFF.
 #[utoipa::path(post, path = "/api/uploads",
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
-    responses((status = 200, body = UploadView), (status = 401, body = Problem),
-        (status = 403, body = Problem), (status = 408, body = Problem),
-        (status = 413, body = Problem), (status = 422, body = Problem),
-        (status = 429, body = Problem)))]
+    responses((status = 200, body = UploadView), Problem))]
 async fn upload(
     State(state): State<AppState>,
     user: User,
@@ -99,8 +96,7 @@ fn too_large() -> Failure {
 
 /// Discards an upload that is not in a study.
 #[utoipa::path(delete, path = "/api/uploads/{upload}", params(("upload" = String, Path)),
-    responses((status = 204), (status = 401, body = Problem), (status = 403, body = Problem),
-        (status = 404, body = Problem)))]
+    responses((status = 204), Problem))]
 async fn discard(
     State(state): State<AppState>,
     user: User,
@@ -114,8 +110,7 @@ async fn discard(
 
 /// A thumbnail of an upload.
 #[utoipa::path(get, path = "/api/uploads/{upload}/thumbnail", params(("upload" = String, Path)),
-    responses((status = 200, content_type = "image/png"), (status = 401, body = Problem),
-        (status = 404, body = Problem)))]
+    responses((status = 200, content_type = "image/png"), Problem))]
 async fn thumbnail(
     State(state): State<AppState>,
     user: User,

@@ -21,8 +21,7 @@ use crate::words::pixel_aspect;
 
 /// Finds vertebrae in the picture of a reading. Nothing is recorded.
 #[utoipa::path(post, path = "/api/readings/{reading}/detection", params(("reading" = i64, Path)),
-    responses((status = 200, body = DetectionView), (status = 403, body = Problem),
-        (status = 404, body = Problem)))]
+    responses((status = 200, body = DetectionView), Problem))]
 pub(super) async fn detection(
     State(state): State<AppState>,
     user: User,

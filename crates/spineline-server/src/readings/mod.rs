@@ -41,8 +41,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Begins a reading of a film.
 #[utoipa::path(post, path = "/api/films/{film}/readings", params(("film" = i64, Path)), request_body = NewReading,
-    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
-        (status = 409, body = Problem)))]
+    responses((status = 200, body = ReadingView), Problem))]
 async fn begin(
     State(state): State<AppState>,
     user: User,
@@ -62,8 +61,7 @@ async fn begin(
 
 /// Begins the planned reading of a code.
 #[utoipa::path(post, path = "/api/codes/{code}/readings", params(("code" = String, Path)),
-    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
-        (status = 409, body = Problem)))]
+    responses((status = 200, body = ReadingView), Problem))]
 async fn begin_planned(
     State(state): State<AppState>,
     user: User,
@@ -83,7 +81,7 @@ async fn begin_planned(
 
 /// The current state of a reading.
 #[utoipa::path(get, path = "/api/readings/{reading}", params(("reading" = i64, Path)),
-    responses((status = 200, body = ReadingView), (status = 404, body = Problem)))]
+    responses((status = 200, body = ReadingView), Problem))]
 async fn reading(
     State(state): State<AppState>,
     user: User,
@@ -98,8 +96,8 @@ async fn reading(
 
 /// Finishes a reading, which can then no longer be changed.
 #[utoipa::path(post, path = "/api/readings/{reading}/finish", params(("reading" = i64, Path)), request_body = Finish,
-    responses((status = 200, body = FinishedReading), (status = 404, body = Problem),
-        (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
+    responses((status = 200, body = FinishedReading),
+        (status = 409, body = ConflictAnswer), Problem))]
 async fn finish(
     State(state): State<AppState>,
     user: User,
@@ -145,9 +143,7 @@ fn finished(revision: u64, reading: Option<ReadingView>) -> FinishedReading {
 /// Withdraws a reading: it stays in the store and counts nowhere. Its observer may do so, or an admin.
 #[utoipa::path(post, path = "/api/readings/{reading}/withdrawal", params(("reading" = i64, Path)),
     request_body = NewWithdrawal,
-    responses((status = 200, body = ReadingView), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = ReadingView), Problem))]
 async fn withdraw(
     State(state): State<AppState>,
     user: User,
@@ -170,9 +166,7 @@ async fn withdraw(
 /// Begins a correction of a finished reading of the requester: a copy with all landmarks, which replaces the reading when it is
 /// finished.
 #[utoipa::path(post, path = "/api/readings/{reading}/correction", params(("reading" = i64, Path)),
-    responses((status = 200, body = ReadingView), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = ReadingView), Problem))]
 async fn correct(
     State(state): State<AppState>,
     user: User,

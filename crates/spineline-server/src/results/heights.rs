@@ -17,7 +17,7 @@ use crate::user::User;
 /// Heights on one film of the vertebrae that finished readings mark on the other one of the erect and the lateral film.
 #[utoipa::path(get, path = "/api/studies/{study}/films/{film}/heights",
     params(("study" = String, Path), ("film" = i64, Path)),
-    responses((status = 200, body = Vec<HeightView>), (status = 404, body = Problem)))]
+    responses((status = 200, body = Vec<HeightView>), Problem))]
 pub async fn heights(
     State(state): State<AppState>,
     user: User,

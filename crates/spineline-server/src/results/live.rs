@@ -22,7 +22,7 @@ use crate::words::{marked_text, progress};
 
 /// Results of the current reading.
 #[utoipa::path(get, path = "/api/readings/{reading}/live", params(("reading" = i64, Path)),
-    responses((status = 200, body = LiveView), (status = 403, body = Problem)))]
+    responses((status = 200, body = LiveView), Problem))]
 pub async fn live(
     State(state): State<AppState>,
     user: User,

@@ -29,7 +29,7 @@ const MAX_ARROW_MM: f64 = 5_000.0;
 /// The response to a dragged load.
 #[utoipa::path(post, path = "/api/studies/{study}/load", params(("study" = String, Path)),
     request_body = LoadRequest,
-    responses((status = 200, body = LoadAnswer), (status = 422, body = Problem)))]
+    responses((status = 200, body = LoadAnswer), Problem))]
 pub async fn load(
     State(state): State<AppState>,
     user: User,

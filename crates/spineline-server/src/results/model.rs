@@ -24,7 +24,7 @@ use crate::user::User;
 
 /// The models of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/model", params(("study" = String, Path)),
-    responses((status = 200, body = ModelView), (status = 409, body = Problem)))]
+    responses((status = 200, body = ModelView), Problem))]
 pub async fn model(
     State(state): State<AppState>,
     user: User,

@@ -25,8 +25,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// The model options of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/options", params(("study" = String, Path)),
-    responses((status = 200, body = OptionsView), (status = 403, body = Problem),
-        (status = 404, body = Problem)))]
+    responses((status = 200, body = OptionsView), Problem))]
 async fn options(
     State(state): State<AppState>,
     user: User,
@@ -39,9 +38,7 @@ async fn options(
 /// Changes the model options of a study. Results with other options are computed again.
 #[utoipa::path(put, path = "/api/studies/{study}/options", params(("study" = String, Path)),
     request_body = OptionsChange,
-    responses((status = 200, body = OptionsView), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = OptionsView), Problem))]
 async fn change(
     State(state): State<AppState>,
     user: User,

@@ -19,8 +19,7 @@ use crate::user::User;
 /// Results of unrecorded events on a reading.
 #[utoipa::path(post, path = "/api/readings/{reading}/preview", params(("reading" = i64, Path)),
     request_body = PreviewRequest,
-    responses((status = 200, body = Preview), (status = 404, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = Preview), Problem))]
 pub async fn preview(
     State(state): State<AppState>,
     user: User,

@@ -14,8 +14,8 @@ use crate::user::User;
 
 /// Records all events or none, and returns the results. A repeated request gets the same answer and records nothing.
 #[utoipa::path(post, path = "/api/readings/{reading}/events", params(("reading" = i64, Path)), request_body = NewEvent,
-    responses((status = 200, body = Preview), (status = 404, body = Problem),
-        (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
+    responses((status = 200, body = Preview),
+        (status = 409, body = ConflictAnswer), Problem))]
 pub async fn record(
     State(state): State<AppState>,
     user: User,

@@ -15,7 +15,7 @@ use crate::user::User;
 
 /// Repeatability of the readings of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/reliability", params(("study" = String, Path)),
-    responses((status = 200, body = Vec<ReliabilityView>), (status = 403, body = Problem)))]
+    responses((status = 200, body = Vec<ReliabilityView>), Problem))]
 pub async fn reliability(
     State(state): State<AppState>,
     user: User,

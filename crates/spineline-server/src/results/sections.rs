@@ -14,8 +14,7 @@ use crate::user::User;
 
 /// The lines of action beside predictions without mechanics, the automatic choice, and the line of best fit of every film.
 #[utoipa::path(get, path = "/api/studies/{study}/lines", params(("study" = String, Path)),
-    responses((status = 200, body = Vec<SectionView>), (status = 403, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, body = Vec<SectionView>), Problem))]
 pub async fn lines(
     State(state): State<AppState>,
     user: User,
@@ -30,8 +29,7 @@ pub async fn lines(
 
 /// The erect and the lateral film together, with every number in 2-D and 3-D, and axial rotations from pedicles; empty without both.
 #[utoipa::path(get, path = "/api/studies/{study}/space", params(("study" = String, Path)),
-    responses((status = 200, body = Vec<SectionView>), (status = 403, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, body = Vec<SectionView>), Problem))]
 pub async fn space(
     State(state): State<AppState>,
     user: User,

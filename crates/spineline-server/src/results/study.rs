@@ -18,7 +18,7 @@ use crate::words::{marked_text, progress};
 
 /// Clinical angles and rotations of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/findings", params(("study" = String, Path)),
-    responses((status = 200, body = LiveView), (status = 403, body = Problem)))]
+    responses((status = 200, body = LiveView), Problem))]
 pub async fn findings(
     State(state): State<AppState>,
     user: User,
@@ -53,7 +53,7 @@ fn view(result: &StudyResult) -> LiveView {
 /// Results of the finished readings for one film.
 #[utoipa::path(get, path = "/api/studies/{study}/films/{film}/overlay",
     params(("study" = String, Path), ("film" = i64, Path)),
-    responses((status = 200, body = FilmOverlay), (status = 404, body = Problem)))]
+    responses((status = 200, body = FilmOverlay), Problem))]
 pub async fn overlay(
     State(state): State<AppState>,
     user: User,

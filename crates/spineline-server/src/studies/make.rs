@@ -35,9 +35,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Creates a study from uploaded films, which are de-identified.
 #[utoipa::path(post, path = "/api/studies", request_body = NewStudy,
-    responses((status = 200, body = StudyDetail), (status = 401, body = Problem),
-        (status = 403, body = Problem), (status = 404, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, body = StudyDetail), Problem))]
 async fn new_study(
     State(state): State<AppState>,
     user: User,
@@ -55,9 +53,7 @@ async fn new_study(
 
 /// Adds uploaded films to a study, which are de-identified.
 #[utoipa::path(post, path = "/api/studies/{study}/films", params(("study" = String, Path)), request_body = MoreFilms,
-    responses((status = 200, body = StudyDetail), (status = 401, body = Problem),
-        (status = 403, body = Problem), (status = 404, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, body = StudyDetail), Problem))]
 async fn more_films(
     State(state): State<AppState>,
     user: User,
@@ -136,9 +132,7 @@ async fn prepared(
 
 /// Creates a study from a case file with its readings and films.
 #[utoipa::path(post, path = "/api/studies/case", request_body = CaseImport,
-    responses((status = 200, body = StudyDetail), (status = 401, body = Problem),
-        (status = 403, body = Problem), (status = 404, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, body = StudyDetail), Problem))]
 async fn import_case(
     State(state): State<AppState>,
     user: User,

@@ -49,7 +49,7 @@ async fn list(State(state): State<AppState>, user: User) -> Answer<Json<Vec<Stud
 
 /// One study.
 #[utoipa::path(get, path = "/api/studies/{study}", params(("study" = String, Path)),
-    responses((status = 200, body = StudyDetail), (status = 404, body = Problem)))]
+    responses((status = 200, body = StudyDetail), Problem))]
 async fn study(
     State(state): State<AppState>,
     user: User,
@@ -62,9 +62,7 @@ async fn study(
 
 /// Renames, archives or restores a study. While its plan runs, an admin may.
 #[utoipa::path(post, path = "/api/studies/{study}/edits", params(("study" = String, Path)), request_body = StudyChange,
-    responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 413, body = Problem)))]
+    responses((status = 200, body = StudyDetail), Problem))]
 async fn edit_study(
     State(state): State<AppState>,
     user: User,
@@ -92,9 +90,7 @@ async fn edit_study(
 
 /// Plans blinded readings, or changes the plan before the first one. With accounts, every observer needs one that may edit the study.
 #[utoipa::path(post, path = "/api/studies/{study}/plan", params(("study" = String, Path)), request_body = NewPlan,
-    responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = StudyDetail), Problem))]
 async fn plan(
     State(state): State<AppState>,
     user: User,
@@ -144,8 +140,7 @@ fn may_read(store: &Store, study: &Name, observer: &Name) -> Answer<()> {
 
 /// The case file of a study, with its finished readings.
 #[utoipa::path(get, path = "/api/studies/{study}/case", params(("study" = String, Path)),
-    responses((status = 200, content_type = "application/json"), (status = 404, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, content_type = "application/json"), Problem))]
 async fn case_file(
     State(state): State<AppState>,
     user: User,

@@ -32,9 +32,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// A computation of the current results.
 #[utoipa::path(get, path = "/api/studies/{study}/computations/{computation}",
     params(("study" = String, Path), ("computation" = ComputationName, Path)),
-    responses((status = 200, body = ComputationView), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = ComputationView), Problem))]
 async fn computation(
     State(state): State<AppState>,
     user: User,
@@ -50,9 +48,7 @@ async fn computation(
 #[utoipa::path(post, path = "/api/studies/{study}/computations/{computation}",
     params(("study" = String, Path), ("computation" = ComputationName, Path)),
     request_body = ComputationRequest,
-    responses((status = 200, body = ComputationView), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = ComputationView), Problem))]
 async fn compute(
     State(state): State<AppState>,
     user: User,
@@ -68,9 +64,7 @@ async fn compute(
 /// Cancels a computation after its running step.
 #[utoipa::path(delete, path = "/api/studies/{study}/computations/{computation}",
     params(("study" = String, Path), ("computation" = ComputationName, Path)),
-    responses((status = 200, body = ComputationView), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = ComputationView), Problem))]
 async fn cancel(
     State(state): State<AppState>,
     user: User,

@@ -38,9 +38,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// The results of a study from its finished readings as a file. The log of the store has an entry for it.
 #[utoipa::path(get, path = "/api/studies/{study}/exports/{export}",
     params(("study" = String, Path), ("export" = ExportName, Path)),
-    responses((status = 200, content_type = "application/octet-stream"),
-        (status = 403, body = Problem), (status = 404, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, content_type = "application/octet-stream"), Problem))]
 pub async fn export(
     State(state): State<AppState>,
     user: User,

@@ -19,9 +19,7 @@ use crate::user::User;
 /// The model of a line of action in the format of another program. The log of the store has an entry for it.
 #[utoipa::path(get, path = "/api/studies/{study}/models/{line}/{format}",
     params(("study" = String, Path), ("line" = LineKindName, Path), ("format" = ExportFormatName, Path)),
-    responses((status = 200, content_type = "application/xml"), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, content_type = "application/xml"), Problem))]
 pub async fn export_model(
     State(state): State<AppState>,
     user: User,

@@ -35,8 +35,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// Intervals of the model of a line of action under loads, with the load file that they belong to.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/intervals",
     params(("study" = String, Path), ("line" = LineKindName, Path)),
-    responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
-        (status = 409, body = Problem)))]
+    responses((status = 200, body = LoadIntervalsView), Problem))]
 async fn load_intervals(
     State(state): State<AppState>,
     user: User,
@@ -52,8 +51,7 @@ async fn load_intervals(
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/intervals",
     params(("study" = String, Path), ("line" = LineKindName, Path)),
     request_body = LoadIntervalRequest,
-    responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, body = LoadIntervalsView), Problem))]
 async fn compute_load_intervals(
     State(state): State<AppState>,
     user: User,
@@ -74,8 +72,7 @@ async fn compute_load_intervals(
 /// Cancels the replicates after the running ones.
 #[utoipa::path(delete, path = "/api/studies/{study}/loads/{line}/intervals",
     params(("study" = String, Path), ("line" = LineKindName, Path)),
-    responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
-        (status = 409, body = Problem)))]
+    responses((status = 200, body = LoadIntervalsView), Problem))]
 async fn cancel_intervals(
     State(state): State<AppState>,
     user: User,

@@ -36,9 +36,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// Loads that are possible on the model of a line of action.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}",
     params(("study" = String, Path), ("line" = LineKindName, Path)),
-    responses((status = 200, body = LoadMenu), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = LoadMenu), Problem))]
 async fn load_menu(
     State(state): State<AppState>,
     user: User,
@@ -54,9 +52,7 @@ async fn load_menu(
 /// The model of a line of action under the loads of a file.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}",
     params(("study" = String, Path), ("line" = LineKindName, Path)), request_body = FileOfLoads,
-    responses((status = 200, body = LoadedModel), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, body = LoadedModel), Problem))]
 async fn simulate_loads(
     State(state): State<AppState>,
     user: User,
@@ -80,9 +76,7 @@ async fn simulate_loads(
 /// The same simulation as a file, with its intervals if they are computed. The log of the store has an entry for it.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/simulation",
     params(("study" = String, Path), ("line" = LineKindName, Path)), request_body = FileOfLoads,
-    responses((status = 200, content_type = "application/json"), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, content_type = "application/json"), Problem))]
 async fn simulation_file(
     State(state): State<AppState>,
     user: User,
@@ -112,9 +106,7 @@ async fn simulation_file(
 /// The model of a line of action as `spineline simulate` reads it. The log of the store has an entry for it.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/model",
     params(("study" = String, Path), ("line" = LineKindName, Path)),
-    responses((status = 200, content_type = "application/json"), (status = 403, body = Problem),
-        (status = 404, body = Problem), (status = 409, body = Problem),
-        (status = 422, body = Problem)))]
+    responses((status = 200, content_type = "application/json"), Problem))]
 async fn model_file(
     State(state): State<AppState>,
     user: User,

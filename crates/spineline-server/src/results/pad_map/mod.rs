@@ -38,8 +38,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// The pads that were tried on the model of a line of action.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/pad-map",
     params(("study" = String, Path), ("line" = LineKindName, Path)),
-    responses((status = 200, body = PadMapView), (status = 403, body = Problem),
-        (status = 409, body = Problem)))]
+    responses((status = 200, body = PadMapView), Problem))]
 async fn pad_map(
     State(state): State<AppState>,
     user: User,
@@ -52,8 +51,7 @@ async fn pad_map(
 /// Tries pads in the background.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/pad-map",
     params(("study" = String, Path), ("line" = LineKindName, Path)), request_body = PadMapRequest,
-    responses((status = 200, body = PadMapView), (status = 403, body = Problem),
-        (status = 409, body = Problem), (status = 422, body = Problem)))]
+    responses((status = 200, body = PadMapView), Problem))]
 async fn compute_pad_map(
     State(state): State<AppState>,
     user: User,
@@ -79,8 +77,7 @@ async fn compute_pad_map(
 /// Cancels the trials after the running ones.
 #[utoipa::path(delete, path = "/api/studies/{study}/loads/{line}/pad-map",
     params(("study" = String, Path), ("line" = LineKindName, Path)),
-    responses((status = 200, body = PadMapView), (status = 403, body = Problem),
-        (status = 409, body = Problem)))]
+    responses((status = 200, body = PadMapView), Problem))]
 async fn cancel_pad_map(
     State(state): State<AppState>,
     user: User,
