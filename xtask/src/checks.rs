@@ -96,6 +96,14 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     }
 }
 
+/// All tests, with the output of each and how it ended.
+pub fn certify(plan: &Plan<'_>) -> Result<(), String> {
+    let profile = if plan.is_full() { "full" } else { "default" };
+    let shown =
+        ["--status-level", "all", "--success-output", "immediate", "--failure-output", "immediate"];
+    cargo_on(plan, &["nextest", "run", "--no-fail-fast", "--profile", profile], &shown, &[])
+}
+
 /// Films of an image archive: the tests with Orthanc, which pass silently if it is missing.
 pub fn archive(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["test", "--quiet", "--test", "it"], &["orthanc"], &[])

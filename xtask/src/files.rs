@@ -7,6 +7,10 @@ pub fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
+pub fn write(path: &Path, text: &str) -> Result<(), String> {
+    fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
+}
+
 /// Kinds of files that people write.
 const WRITTEN: [&str; 6] = ["rs", "ts", "svelte", "css", "py", "pyi"];
 

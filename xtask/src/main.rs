@@ -2,6 +2,7 @@
 
 mod advisories;
 mod book;
+mod certify;
 mod checks;
 mod cohorts;
 mod command;
@@ -60,6 +61,9 @@ cargo xtask COMMAND
            build the wheel of the Python package, with the program and the browser app inside; --also builds a second
            one for an interpreter without the stable ABI, such as python3.14t
   attack   give the program damaged files, bombs, full disks, interruptions and kills
+  certify [--full] [--since FOLDER]
+           run the test of every claim and the comparisons with other programs, and write down how each ended, with the
+           numbers on known films that moved since another certificate (its FOLDER); the book then shows the outcomes
   docs     make the book: guide, Python reference, notebooks with their pictures, credibility, the paper's numbers
   fuzz [SECONDS]
            run every parser on random input, 60 seconds each (needs a nightly compiler and cargo-fuzz)
@@ -88,6 +92,7 @@ fn main() -> ExitCode {
         ("wheel", [option, other]) if option == "--also" => package::wheels(&root, &[other]),
         ("setup", []) => setup::setup(&root),
         ("docs", []) => book::make(&root),
+        ("certify", _) => certify::certify(&root, &arguments),
         ("bench", []) => command::cargo(&root, &["bench", "--package", "spineline", "--benches"]),
         ("advisories", [option]) if option == "--required" => {
             Plan::new(&root, Extent::Usual).run_all_of(&steps("advisories").unwrap_or_default())

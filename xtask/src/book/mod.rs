@@ -5,7 +5,7 @@
 //! else, and Debian does not package it. The book needs no network, and making it needs none once the wheel is
 //! installed.
 
-mod credibility;
+pub mod credibility;
 mod links;
 mod paper;
 
@@ -14,9 +14,9 @@ use std::path::Path;
 
 use crate::checks::built;
 use crate::command::run;
-use crate::files::read;
+use crate::files::{read, write};
 use crate::plan::{Extent, Plan};
-use crate::{notebooks, python};
+use crate::{certify, notebooks, python};
 
 /// Makes the book below the target folder.
 pub fn make(root: &Path) -> Result<(), String> {
@@ -31,7 +31,7 @@ pub fn make(root: &Path) -> Result<(), String> {
     let source = target.join("docs/guide");
     copy(&guide, &source)?;
     add_pages(root, &source.join("src"))?;
-    let evidence = read(&root.join("validation/README.md"))?;
+    let evidence = certify::claims(root)?;
     let page =
         links::in_book(&credibility::page(&evidence)?, "validation/README.md", "credibility.md");
     write(&source.join("src/credibility.md"), &page)?;
@@ -104,8 +104,4 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
         fs::copy(entry.path(), to.join("src").join(entry.file_name())).map_err(failed)?;
     }
     Ok(())
-}
-
-fn write(path: &Path, text: &str) -> Result<(), String> {
-    fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
 }
