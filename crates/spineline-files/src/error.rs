@@ -152,6 +152,12 @@ pub enum FileError {
         /// What is missing.
         part: &'static str,
     },
+    /// An option of an analysis that cannot be read.
+    #[error("`provenance.options`: {reason}")]
+    Option {
+        /// Why.
+        reason: String,
+    },
     /// Replicates without a seed.
     #[error("`replicates` is given, but `seed` is missing")]
     NoSeed,
@@ -370,7 +376,7 @@ impl FileError {
             Self::SpacingOfPixels { .. } => {
                 "remove the spacings, or give their plane: patient, detector or unknown"
             }
-            Self::NotRepeatable { .. } | Self::NoSeed => {
+            Self::NotRepeatable { .. } | Self::Option { .. } | Self::NoSeed => {
                 "analyse the case again with `spineline analyze CASE --json FILE`"
             }
             Self::LearnedFrom { .. } => {

@@ -27,7 +27,6 @@ pub mod method_text;
 mod model_file;
 mod model_source;
 mod nearest;
-mod options_record;
 mod provenance;
 mod published_record;
 mod read;

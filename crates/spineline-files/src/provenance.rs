@@ -1,16 +1,15 @@
 //! Provenance of outputs.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use serde::{Deserialize, Serialize};
-use spineline::uncertainty::LandmarkNoise;
 
 use crate::FileError;
 use crate::content::ContentHash;
 use crate::json::parse;
-use crate::options_record::OptionsRecord;
 use crate::published_record::PublishedRecord;
-use crate::request::{Replicates, Request};
+use crate::rotation_prior_record::RotationPriorRecord;
+use crate::stiffness_file::StiffnessFile;
 
 /// The run of a program, given by the program: no function here reads a clock or a command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -91,16 +90,16 @@ pub struct Provenance {
     inputs: Vec<InputFile>,
     /// Seed of everything random; absent if nothing is random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    seed: Option<u64>,
+    pub(crate) seed: Option<u64>,
     /// Whether it was asked which multipliers the films identify; absent if not requested.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    identifiability: bool,
+    pub(crate) identifiability: bool,
     /// Replicates with perturbed landmarks; absent if not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    replicates: Option<ReplicatesRecord>,
+    pub(crate) replicates: Option<ReplicatesRecord>,
     /// Choices of the analysis; absent where nothing was analysed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    options: Option<OptionsRecord>,
+    pub(crate) options: Option<OptionsRecord>,
     /// Published numbers of a typical spine that results rest on; absent where nothing was analysed or simulated. Springs have their
     /// sources beside them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -113,10 +112,24 @@ pub struct Provenance {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-struct ReplicatesRecord {
-    count: u64,
+pub(crate) struct ReplicatesRecord {
+    pub count: u64,
     /// Deviation of a landmark in pixels; `null` for the case's own readings.
-    noise_px: Option<f64>,
+    pub noise_px: Option<f64>,
+}
+
+/// The options of an analysis, each by its name: a value as the command line takes it, or the content of a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct OptionsRecord {
+    /// `null` where no value is given.
+    #[serde(flatten)]
+    pub words: BTreeMap<String, Option<String>>,
+    /// Distribution of joint rotations learned from other patients; absent for the published one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotation_prior: Option<RotationPriorRecord>,
+    /// Springs before personalisation, each with its source.
+    pub stiffness: StiffnessFile,
 }
 
 impl Provenance {
@@ -159,23 +172,6 @@ impl Provenance {
     pub fn of_listed_file(mut self) -> Self {
         self.content_sha256 = None;
         self
-    }
-
-    /// The same with the request for every case.
-    #[must_use]
-    pub fn asking(self, request: &Request) -> Self {
-        let mut this = self.with_published_numbers();
-        this.options = Some(OptionsRecord::from(&request.options));
-        this.identifiability = request.identifiability;
-        this.seed = request.replicates.map(|asked| asked.seed).or(this.seed);
-        this.replicates = request.replicates.map(|asked| ReplicatesRecord {
-            count: asked.count,
-            noise_px: match asked.noise {
-                LandmarkNoise::Measured => None,
-                LandmarkNoise::Pixels(px) => Some(px),
-            },
-        });
-        this
     }
 
     /// Provenance of a file that joins others: their inputs one after the other, and the choices of the first; `None` without parts.
@@ -245,26 +241,6 @@ impl Provenance {
     #[must_use]
     pub const fn films(&self) -> FilmOrigin {
         self.films
-    }
-
-    /// The request for every case; `None` where nothing was analysed.
-    ///
-    /// # Errors
-    /// [`FileError::Stiffness`], [`FileError::NoSeed`].
-    pub fn request(&self) -> Result<Option<Request>, FileError> {
-        let Some(options) = &self.options else { return Ok(None) };
-        let replicates = self.replicates.as_ref().map(|asked| {
-            Ok::<_, FileError>(Replicates {
-                count: asked.count,
-                noise: asked.noise_px.map_or(LandmarkNoise::Measured, LandmarkNoise::Pixels),
-                seed: self.seed.ok_or(FileError::NoSeed)?,
-            })
-        });
-        Ok(Some(Request {
-            options: options.options()?,
-            replicates: replicates.transpose()?,
-            identifiability: self.identifiability,
-        }))
     }
 }
 

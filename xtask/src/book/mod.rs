@@ -16,7 +16,10 @@ use crate::checks::built;
 use crate::command::run;
 use crate::files::{read, write};
 use crate::plan::{Extent, Plan};
-use crate::{certify, notebooks, python};
+use crate::{notebooks, python};
+
+/// The folder of the certificate, below the target folder: its claims have outcomes.
+pub const CERTIFICATE: &str = "certificate";
 
 /// Makes the book below the target folder.
 pub fn make(root: &Path) -> Result<(), String> {
@@ -31,7 +34,9 @@ pub fn make(root: &Path) -> Result<(), String> {
     let source = target.join("docs/guide");
     copy(&guide, &source)?;
     add_pages(root, &source.join("src"))?;
-    let evidence = certify::claims(root)?;
+    let certified = target.join(CERTIFICATE).join("claims.md");
+    let claims = root.join("validation/README.md");
+    let evidence = read(if certified.exists() { &certified } else { &claims })?;
     let page =
         links::in_book(&credibility::page(&evidence)?, "validation/README.md", "credibility.md");
     write(&source.join("src/credibility.md"), &page)?;

@@ -5,27 +5,16 @@ mod numbers;
 mod outcomes;
 
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-use crate::book::credibility;
+use crate::book::{CERTIFICATE, credibility};
 use crate::checks::{self, built};
-use crate::command::{run, with_output};
+use crate::command::with_output;
 use crate::files::{read, write};
 use crate::plan::{Extent, Plan};
 use crate::{outside, python, tools};
 use outcomes::Outcomes;
-
-/// The folder of the certificate, below the target folder.
-pub fn folder() -> Result<PathBuf, String> {
-    Ok(python::target()?.join("certificate"))
-}
-
-/// The claims of `validation/README.md` with the outcomes of the last certificate; without one as they are.
-pub fn claims(root: &Path) -> Result<String, String> {
-    let certified = folder()?.join("claims.md");
-    read(&if certified.exists() { certified } else { root.join("validation/README.md") })
-}
 
 /// Makes the certificate: of all tests with `--full`, and beside the certificate in the folder of `--since`.
 pub fn certify(root: &Path, arguments: &[String]) -> Result<(), String> {
@@ -41,7 +30,7 @@ pub fn certify(root: &Path, arguments: &[String]) -> Result<(), String> {
     if !tools::has_nextest() {
         return Err("cargo-nextest is missing: `cargo xtask setup` installs it".to_owned());
     }
-    let folder = folder()?;
+    let folder = python::target()?.join(CERTIFICATE);
     let before = since.map(|folder| numbers::read_all(Path::new(folder))).transpose()?;
     if folder.exists() {
         fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
@@ -113,9 +102,4 @@ fn heading(root: &Path, outcomes: &Outcomes) -> String {
         env!("CARGO_PKG_VERSION"),
         asked("rustc", &["--version"]),
     )
-}
-
-/// The text that a run of the program writes to a folder.
-fn spineline(program: &Path, folder: &Path, arguments: &[&str]) -> Result<(), String> {
-    run(folder, &python::text(program)?, arguments, &[("SOURCE_DATE_EPOCH", "0")])
 }

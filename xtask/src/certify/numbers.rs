@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::spineline;
+use crate::command::run;
 use crate::files::read;
 use crate::python;
 
@@ -45,6 +45,10 @@ pub fn read_all(folder: &Path) -> Result<Numbers, String> {
     }
 }
 
+fn spineline(program: &Path, folder: &Path, arguments: &[&str]) -> Result<(), String> {
+    run(folder, &python::text(program)?, arguments, &[("SOURCE_DATE_EPOCH", "0")])
+}
+
 fn collect(place: &str, json: &Value, numbers: &mut Numbers) {
     match json {
         Value::Number(number) => {
@@ -71,9 +75,7 @@ pub fn page(before: Option<&Numbers>, now: &Numbers) -> String {
     const LISTED: usize = 200;
     let count = format!("## Numbers\n\n{} numbers on known films", now.len());
     let Some(before) = before else {
-        return format!(
-            "{count}; `--since FOLDER` compares them with those of another certificate.\n"
-        );
+        return format!("{count}; `--since FOLDER` compares them with another certificate.\n");
     };
     let relative = |a: f64, b: f64| (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
     let both = now.iter().filter_map(|(place, &now)| Some((place, *before.get(place)?, now)));

@@ -134,7 +134,7 @@ fn a_number_beyond_all_numbers_is_bad_input_wherever_it_stands() {
     // One that is computed with, and one that only the comparison reads.
     try_all(
         &analysis,
-        &["superior_left", "rmse_mm", "min_curve", "lateral_nm_per_rad"],
+        &["superior_left", "rmse_mm", "lateral_nm_per_rad"],
         &["rerun", "hostile.json"],
     );
     let simulate = ["simulate", "hostile.json", "--push", "left", "--force", "5"];
