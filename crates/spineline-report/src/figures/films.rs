@@ -3,7 +3,7 @@
 use kuva::render::render::Primitive;
 use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{Analysis, Case, FilmMovement};
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Film, FilmFrame, FilmLandmarks, Outline, VertebraLandmarks};
 use spineline::spatial::{Frontal, Pixel};
 
@@ -19,7 +19,7 @@ use super::style::{
 /// Room around the landmarks, as a part of their height.
 const ROOM: f64 = 0.06;
 
-const BODY: Ink = Ink::new(GREY, "", 1.0);
+pub(super) const BODY: Ink = Ink::new(GREY, "", 1.0);
 const CURVE: Ink = Ink::new(BLACK, "", 2.0);
 const CREST: Ink = Ink::new(VERMILLION, "", 1.4);
 const MIDPOINT: Marker = Marker { radius_px: 2.6, ..Marker::new(Shape::Circle, BLACK, false) };
@@ -55,19 +55,19 @@ impl Arrangement {
 }
 
 /// Coordinates on a film that is displayed upright: `-y` and `z` from L4's midpoint.
-struct Displayed<'a> {
-    film: &'a Film,
-    outline: &'a Outline,
-    frame: Option<FilmFrame>,
+pub(super) struct Displayed<'a> {
+    pub film: &'a Film,
+    pub outline: &'a Outline,
+    pub frame: Option<FilmFrame>,
 }
 
 impl<'a> Displayed<'a> {
-    fn of(film: &'a Film, outline: &'a Outline) -> Self {
+    pub fn of(film: &'a Film, outline: &'a Outline) -> Self {
         Self { film, outline, frame: FilmFrame::of(film, outline) }
     }
 
     /// A point of the analysis.
-    fn place(&self, point: Frontal) -> Frontal {
+    pub fn place(&self, point: Frontal) -> Frontal {
         point.rotated(self.outline.l4_on_film)
     }
 
@@ -87,15 +87,15 @@ impl<'a> Displayed<'a> {
         has_scale(self.outline)
     }
 
-    fn marks(&self) -> impl Iterator<Item = &'a VertebraLandmarks> {
+    pub fn marks(&self) -> impl Iterator<Item = (&'a Level, &'a VertebraLandmarks)> {
         let readings = match &self.film.landmarks {
             FilmLandmarks::Corners { readings, .. } => &readings[..],
             FilmLandmarks::Placements { .. } => &[],
         };
-        readings.iter().flat_map(|reading| reading.vertebrae.values())
+        readings.iter().flat_map(|reading| &reading.vertebrae)
     }
 
-    fn corners(&self, mark: &VertebraLandmarks) -> Option<[Frontal; 4]> {
+    pub fn corners(&self, mark: &VertebraLandmarks) -> Option<[Frontal; 4]> {
         let frame = self.frame.as_ref()?;
         let c = mark.corners.map(|corner| self.pixel(frame, corner));
         Some([c.superior_left, c.superior_right, c.inferior_right, c.inferior_left])
@@ -109,7 +109,7 @@ impl<'a> Displayed<'a> {
     }
 
     fn extent(&self) -> Extent {
-        let corners = self.marks().filter_map(|mark| self.corners(mark)).flatten();
+        let corners = self.marks().filter_map(|(_, mark)| self.corners(mark)).flatten();
         let locations = self.outline.locations().map(|p| self.place(p));
         let points: Vec<Frontal> = corners.chain(locations).collect();
         let bare = Extent::around(points);
@@ -229,7 +229,7 @@ fn fill(panel: &mut Panel, film: &Displayed<'_>, analysis: &Analysis, posture: &
     let at = |point: Frontal| drawn(film.place(point));
     let bodies: Vec<Primitive> = film
         .marks()
-        .filter_map(|mark| film.corners(mark))
+        .filter_map(|(_, mark)| film.corners(mark))
         .map(|[a, b, c, d]| panel.trace(BODY, [a, b, c, d, a].map(drawn)))
         .collect();
     if !bodies.is_empty() {

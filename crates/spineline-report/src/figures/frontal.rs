@@ -131,7 +131,8 @@ impl Panel {
 
 /// An empty panel of an extent at a scale; heights are measured from the base.
 pub fn frontal_panel(extent: Extent, px_per_mm: f64, base: Level) -> Panel {
-    let step = [20.0, 50.0, 100.0, 200.0].into_iter().find(|step| step * px_per_mm >= 46.0);
+    let step =
+        [5.0, 10.0, 20.0, 50.0, 100.0, 200.0].into_iter().find(|step| step * px_per_mm >= 46.0);
     let step = step.unwrap_or(500.0);
     let axis = |label: &str, range, ticks| Axis { label: label.to_owned(), range, step, ticks };
     let mut panel = Panel::new(

@@ -2,6 +2,8 @@
 //!
 //! | function | figure of [jalalian-loa] |
 //! |---|---|
+//! | [`functional_unit`] | 2 |
+//! | [`chain`] | 4 |
 //! | [`rotations`] | 5 |
 //! | [`inflection_distances`] | 6 |
 //! | [`location_errors`] | 8 |
@@ -34,6 +36,7 @@
 mod agreement;
 mod arrows;
 mod boxes;
+mod chain;
 mod cohort;
 mod counts;
 mod films;
@@ -51,9 +54,11 @@ mod rotation;
 mod sagittal;
 mod spines;
 mod style;
+mod unit;
 mod views;
 
 pub use agreement::bland_altman;
+pub use chain::chain;
 pub use cohort::{
     EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, inflection_distances,
     least_rotating_estimates, location_errors,
@@ -70,4 +75,5 @@ pub use profile::profiles;
 pub use rotation::rotations;
 pub use sagittal::{sagittal_profile, sagittal_profiles};
 pub use spines::{force_path, measured_and_simulated};
+pub use unit::functional_unit;
 pub use views::spine_in_space;

@@ -190,6 +190,7 @@ fn figures_of_a_shorter_chain_name_its_own_base() {
         figures::measured_and_simulated(&analysis, Posture::LeftBending),
         Some(figures::force_path(&analysis, Posture::LeftBending, line.kind, &[], "N")),
         figures::rotations(&analysis),
+        Some(figures::chain(&analysis)),
         figures::spine_in_space(&analysis).map(|(svg, _)| svg),
     ];
     for (place, svg) in drawn.into_iter().enumerate() {

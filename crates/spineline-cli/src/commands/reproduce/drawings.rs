@@ -32,6 +32,10 @@ pub fn write(
     for run in runs.iter().filter(|run| run.support == Support::Free) {
         let (scenario, example) = (run.name, &run.analyses[EXAMPLE]);
         save(format!("overview-{scenario}"), &figures::case_overview(example))?;
+        if let Some(svg) = figures::functional_unit(&run.cases[EXAMPLE], example) {
+            save(format!("figure-02-unit-{scenario}"), &svg)?;
+        }
+        save(format!("figure-04-chain-{scenario}"), &figures::chain(example))?;
         if let Some(svg) = figures::rotations(example) {
             save(format!("figure-05-rotations-{scenario}"), &svg)?;
         }
