@@ -83,7 +83,7 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
         table.row([hypothesis.to_string()].into_iter().chain(cells).collect());
     }
     table.note = format!(
-        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
+        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. Where the prediction knows the tilt of the top, the load does too; its distribution of rotations is the published one, or the given one. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
         best.baseline,
         fixed(best.mean_mm(), 1)
     );

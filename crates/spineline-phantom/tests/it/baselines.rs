@@ -102,15 +102,18 @@ fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
         .into();
     let cohort = Cohort::of(&patients.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let baseline = Baseline::MirroredBend;
-    for hypothesis in hypotheses {
+    // A load knows T2's tilt where the baseline does.
+    let equal = [(Baseline::MirroredBend, Role::LeftOut), (Baseline::Cubic, Role::LeftOutWithTilt)];
+    for (hypothesis, (baseline, role)) in
+        hypotheses.into_iter().flat_map(|one| equal.map(|two| (one, two)))
+    {
         let mut differences = Vec::new();
         for patient in &patients {
             let fit = patient.hypotheses.iter().find(|fit| fit.hypothesis == hypothesis);
             let compared = patient.comparison();
             let (mut of_load, mut without) = (Vec::new(), Vec::new());
             for film in compared.films.iter().filter(|film| film.role == FilmRole::LeftOutBend) {
-                let mut predictions = fit.expect("it was asked for").of_role(Role::LeftOut);
+                let mut predictions = fit.expect("it was asked for").of_role(role);
                 let prediction = predictions.find(|one| one.posture == film.posture);
                 let (Some(load), Some(pattern)) = (prediction, film.baseline(baseline)) else {
                     continue;

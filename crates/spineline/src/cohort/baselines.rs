@@ -97,8 +97,13 @@ impl BaselinesOverPatients {
     /// film than a line.
     #[must_use]
     pub fn best(&self, role: FilmRole) -> Option<&BaselineErrors> {
-        let fair = self.errors.iter().filter(|one| one.role == role && !one.baseline.knows_tilt());
-        fair.min_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()))
+        self.best_of(role, false)
+    }
+
+    fn best_of(&self, role: FilmRole, with_tilt: bool) -> Option<&BaselineErrors> {
+        let of_role = self.errors.iter().filter(|one| one.role == role);
+        let same = of_role.filter(|one| one.baseline.knows_tilt() == with_tilt);
+        same.min_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()))
     }
 }
 
@@ -133,10 +138,10 @@ fn errors(patients: &Patients<'_>) -> Vec<BaselineErrors> {
     cells.iter().zip(found).filter_map(of_cell).collect()
 }
 
-/// The location errors of a model on a film of a patient; `None` where it has no result.
-type ErrorsOf<Model> = fn(&CohortPatient, u8, Model) -> Option<&[f64]>;
+/// The location errors of a model on a film of a patient, with or without T2's tilt; `None` where it has no result.
+type ErrorsOf<Model> = fn(&CohortPatient, u8, Model, bool) -> Option<&[f64]>;
 
-/// All models against every baseline that takes no more numbers from a film, where both predict a film, as one family.
+/// All models against every baseline, where both predict a film from the same numbers of T2, as one family.
 fn tests<Model: Copy + Sync>(
     models: &[Model],
     errors_mm: ErrorsOf<Model>,
@@ -146,7 +151,7 @@ fn tests<Model: Copy + Sync>(
                 (model, (baseline, role)): (Model, (Baseline, FilmRole)),
                 take: &mut dyn FnMut(&[f64], &[f64])| {
         for film in seen.patient.places(role) {
-            let of_model = errors_mm(seen.patient, film, model);
+            let of_model = errors_mm(seen.patient, film, model, baseline.knows_tilt());
             if let Some((first, second)) = of_model.zip(seen.baseline_mm(film, baseline)) {
                 take(first, second);
             }
@@ -159,8 +164,7 @@ fn tests<Model: Copy + Sync>(
             films
         })
     };
-    let fair = || cells().filter(|(baseline, _)| !baseline.knows_tilt());
-    let pairs = models.iter().flat_map(|&model| fair().map(move |cell| (model, cell)));
+    let pairs = models.iter().flat_map(|&model| cells().map(move |cell| (model, cell)));
     let (pairs, films): (Vec<_>, Vec<usize>) =
         pairs.map(|pair| (pair, count(pair))).filter(|(_, films)| *films > 0).unzip();
     let found = patients.compared(&pairs, |seen, &pair, [a, b]| {
@@ -216,7 +220,8 @@ impl BaselinesOverPatients {
                 best.baseline
             ));
         }
-        all.extend(self.hypotheses_sentence(role, best.baseline));
+        let best = [false, true].into_iter().filter_map(|tilt| self.best_of(role, tilt));
+        all.extend(best.filter_map(|best| self.hypotheses_sentence(role, best.baseline)));
         all
     }
 

@@ -58,7 +58,7 @@ pub struct CohortPatient {
     baselines_mm: Numbers<(u8, Baseline)>,
     pub(super) hypotheses: Box<[Hypothesis]>,
     /// Location errors of other loads and bases, in mm, by place of a film that they were not fitted to.
-    hypotheses_mm: Numbers<(u8, Hypothesis)>,
+    hypotheses_mm: Numbers<(u8, Hypothesis, bool)>,
 }
 
 /// A film of a patient.
@@ -282,14 +282,20 @@ impl CohortPatient {
         self.baselines_mm.get(&(film, baseline))
     }
 
-    /// Location errors of a line on a film; `None` without a result.
-    pub(super) fn line_mm(&self, film: u8, kind: LineKind) -> Option<&[f64]> {
-        self.result(film, kind).ok().map(FilmErrors::location_mm)
+    /// Location errors of a line on a film; `None` without a result, or if T2's tilt is known.
+    pub(super) fn line_mm(&self, film: u8, kind: LineKind, with_tilt: bool) -> Option<&[f64]> {
+        self.result(film, kind).ok().filter(|_| !with_tilt).map(FilmErrors::location_mm)
     }
 
-    /// Location errors of another load and base on a film; `None` where it does not predict the film.
-    pub(super) fn hypothesis_mm(&self, film: u8, hypothesis: Hypothesis) -> Option<&[f64]> {
-        self.hypotheses_mm.get(&(film, hypothesis))
+    /// Location errors of another load and base on a film, from T2's place with or without its tilt; `None` where it does not predict the
+    /// film.
+    pub(super) fn hypothesis_mm(
+        &self,
+        film: u8,
+        hypothesis: Hypothesis,
+        with_tilt: bool,
+    ) -> Option<&[f64]> {
+        self.hypotheses_mm.get(&(film, hypothesis, with_tilt))
     }
 }
 
@@ -344,24 +350,21 @@ fn baselines_mm(films: &[ComparedFilm]) -> Numbers<(u8, Baseline)> {
 fn hypotheses_mm(
     fits: &[HypothesisFit],
     films: &[(Posture, FilmRole)],
-) -> Numbers<(u8, Hypothesis)> {
+) -> Numbers<(u8, Hypothesis, bool)> {
     let predictions = fits
         .iter()
         .flat_map(|fit| fit.predictions.iter().map(|prediction| (fit.hypothesis, prediction)));
     let on_films = predictions.filter_map(|(hypothesis, prediction)| {
-        let role = match prediction.role {
-            Role::LeftOut => FilmRole::LeftOutBend,
-            Role::HeldOut => FilmRole::HeldOut,
-            // A load that was fitted to the film does not predict it. Predictions that take more than T2's place are not compared with
-            // other ones.
-            Role::Fitted
-            | Role::LeftOutWithPrior
-            | Role::LeftOutWithTilt
-            | Role::LeftOutLoadFitted => return None,
+        let (role, with_tilt) = match prediction.role {
+            Role::LeftOut => (FilmRole::LeftOutBend, false),
+            Role::LeftOutWithTilt => (FilmRole::LeftOutBend, true),
+            Role::HeldOut => (FilmRole::HeldOut, false),
+            // A load that was fitted to the film does not predict it. No baseline of every analysis has the input of the prior.
+            Role::Fitted | Role::LeftOutWithPrior | Role::LeftOutLoadFitted => return None,
         };
         let film = (prediction.posture, role);
         let (place, _) = (0..).zip(films).find(|(_, one)| **one == film)?;
-        Some(((place, hypothesis), &prediction.location_errors_mm[..]))
+        Some(((place, hypothesis, with_tilt), &prediction.location_errors_mm[..]))
     });
     Numbers::of(on_films)
 }
