@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Packs a program with manual pages, completions, licences and notices: archive.sh PROGRAM NOTICES NAME
+# Packs a program with manual pages, completions, licences and notices: archive.sh PROGRAM NAME
 # The result is NAME.tar.gz in the current folder.
 set -euo pipefail
 
 program=$(realpath "$1")
-notices=$2
-name=$3
+name=$2
 source=$(dirname "$(dirname "$(realpath "$0")")")
 
 mkdir -p "$name/man" "$name/completions"
-cp "$program" "$notices" "$source"/{README.md,CHANGELOG.md,LICENSE-MIT,LICENSE-APACHE,CITATION.cff} "$name"
+cp "$program" "$source"/{README.md,CHANGELOG.md,LICENSE-MIT,LICENSE-APACHE,CITATION.cff} "$name"
+"$program" licences > "$name/NOTICES.txt"
 "$program" manual > "$name/man/spineline.1"
 "$program" --help > "$name/commands"
 for command in $(sed -n '/^Commands:/,/^$/s/^  \([a-z][a-z-]*\).*/\1/p' "$name/commands" | grep --invert-match '^help$'); do

@@ -1,13 +1,13 @@
 //! The Python package: its wheel, with the program and the browser app inside, and its tests.
 
 use std::env::consts::EXE_EXTENSION;
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::checks::native_module;
-use crate::command::run;
+use crate::command::{run, with_output};
 use crate::plan::Plan;
 use crate::tools::Tool;
 use crate::{python, web};
@@ -57,21 +57,25 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     let scripts = root.join("python/spineline._native.data/scripts");
     let program = Path::new("spineline").with_extension(EXE_EXTENSION);
     fs::create_dir_all(&scripts).map_err(|error| format!("{}: {error}", scripts.display()))?;
-    copy(&target.join("release").join(&program), &scripts.join(&program))?;
+    let built = target.join("release");
+    copy(&built.join(&program), &scripts.join(&program))?;
     let wheels = target.join("wheels");
     if wheels.exists() {
         fs::remove_dir_all(&wheels).map_err(|error| format!("{}: {error}", wheels.display()))?;
     }
     let interpreter = python::text(&environment(root)?)?;
-    run(root, &interpreter, &["packaging/notices.py", "python/NOTICES.txt"], &[])?;
-    let (out, built) = (python::text(&wheels)?, python::text(&target)?);
-    let mut arguments =
-        vec!["-m", "maturin", "build", "--release", "--out", &out, "--interpreter", &interpreter];
+    let notices = File::create(root.join("python/NOTICES.txt"))
+        .map_err(|error| format!("python/NOTICES.txt: {error}"))?;
+    let own = python::text(&scripts.join(&program))?;
+    with_output(notices, || run(root, &own, &["licences"], &[]))?;
+    let (out, folder) = (python::text(&wheels)?, python::text(&target)?);
+    let build = ["-m", "maturin", "build", "--release", "--out", &out];
+    let mut arguments = [&build[..], &["--interpreter", &interpreter]].concat();
     let others = others.iter().map(|other| interpreter_of(other)).collect::<Result<Vec<_>, _>>()?;
     arguments.extend(others.iter().map(String::as_str));
-    let variables = [("CARGO_TARGET_DIR", built.as_str()), flags[0]];
+    let variables = [("CARGO_TARGET_DIR", folder.as_str()), flags[0]];
     run(&root.join("python"), &interpreter, &arguments, &variables)?;
-    let module = target.join("release").join(python::module_file());
+    let module = built.join(python::module_file());
     for file in [&scripts.join(&program), &module] {
         let bytes = fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
         check_given(&bytes, &builder(root, &target)?)

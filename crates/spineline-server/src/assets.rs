@@ -14,6 +14,13 @@ pub fn has_app() -> bool {
     Pages::iter().any(|name| name.starts_with("assets/"))
 }
 
+/// The licences of the npm packages in the app, as Markdown; empty without the app.
+#[must_use]
+pub fn licences_of_app() -> String {
+    let file = Pages::get("licences.md");
+    file.map_or_else(String::new, |file| String::from_utf8_lossy(&file.data).into_owned())
+}
+
 /// A file of the app; the app itself at `/`.
 pub async fn serve(uri: Uri) -> Response {
     let path = uri.path().trim_start_matches('/');

@@ -42,7 +42,7 @@ mod user;
 mod words;
 
 pub use app::{app, openapi};
-pub use assets::has_app;
+pub use assets::{has_app, licences_of_app};
 pub use guard::MAX_UPLOAD_BYTES;
 pub use limits::{BodyRate, Places, RequestPlaces, ServeLimits, Shares, UploadLimits, UploadRoom};
 pub use listen::Server;

@@ -10,6 +10,7 @@ mod export;
 mod film;
 mod import;
 mod learn_prior;
+mod licences;
 mod manual;
 mod merge;
 mod noise_study;
@@ -116,6 +117,9 @@ pub enum Command {
     /// Print a manual page for `man`
     #[command(after_help = manual::EXAMPLES)]
     Manual(manual::ManualArgs),
+    /// Print the licences of the program, and of all packages and fonts in it
+    #[command(alias = "licenses")]
+    Licences,
     /// Decode the film on the standard input, with limits on memory and time
     #[command(hide = true)]
     DecodeFilm,
@@ -145,6 +149,7 @@ pub fn run(command: Command) -> Result<Ending, Failure> {
         Command::Export(args) => export::run(&args),
         Command::Film(args) => film::run(&args),
         Command::Detect(args) => detect::run(&args),
+        Command::Licences => licences::run(),
         Command::DecodeFilm => decode_film::run(),
         Command::Schema(args) => schema::run(&args),
         Command::Stiffness(args) => stiffness::run(&args),

@@ -17,6 +17,7 @@ mod import_marks;
 mod import_midlines;
 mod import_spacing;
 mod learn_prior;
+mod licences;
 #[path = "../../../spineline-films/tests/it/maker.rs"]
 mod maker;
 mod merge;

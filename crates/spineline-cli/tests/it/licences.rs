@@ -1,0 +1,24 @@
+//! The notices that the program prints.
+
+use crate::program::{done, folder};
+
+#[test]
+fn licences_of_crates_fonts_and_the_app_are_printed() {
+    let text = done(folder().path(), &["licences"]);
+    // The crates of the program, of its font and of the Python module, with licences by their text.
+    for part in ["crate rusqlite 0", "crate dejavu 2", "crate pyo3 0", "crate tokio 1"] {
+        assert!(text.contains(part), "{part}");
+    }
+    for part in ["Permission is hereby granted", "Bitstream Vera", "Apache License"] {
+        assert!(text.contains(part), "{part}");
+    }
+    assert!(text.len() < 2_000_000, "every text stands once: {}", text.len());
+    for package in ["svelte", "three", "openapi-fetch"] {
+        assert_eq!(
+            text.contains(&format!("## {package}")),
+            spineline_server::has_app(),
+            "{package}"
+        );
+    }
+    assert_eq!(text.contains("crate typst-assets"), cfg!(feature = "pdf"));
+}
