@@ -1,6 +1,6 @@
 //! Puts the notices of all crates in the program and in the Python module into the program.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::io::Write;
 use std::path::Path;
@@ -33,9 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Crates of others in the program with its features, and in the Python module.
 fn packages() -> Result<Vec<Package>, Box<dyn Error>> {
     let mut all = Vec::new();
-    for (folder, features) in
-        [(".", env::var("CARGO_CFG_FEATURE")?), ("../spineline-py", "".into())]
-    {
+    let own = env::var("CARGO_CFG_FEATURE").unwrap_or_default();
+    for (folder, features) in [(".", own), ("../spineline-py", String::new())] {
         let config = ConfigBuilder::from_build_env()
             .manifest_dir(Path::new(&env::var("CARGO_MANIFEST_DIR")?).join(folder))
             .cargo_directives(CargoDirectiveList::prefer_locked())
@@ -58,28 +57,25 @@ fn packages() -> Result<Vec<Package>, Box<dyn Error>> {
 
 /// Every text once, below the crates that have it; a crate without a text has its authors and the name of its licence.
 fn notices(packages: &[Package]) -> String {
-    let mut users: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut users: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for package in packages {
-        let mut texts: Vec<String> =
-            package.license_texts.iter().map(|(_, text)| text.trim().to_owned()).collect();
+        let mut texts: Vec<&str> =
+            package.license_texts.iter().map(|(_, text)| text.trim()).collect();
+        let licence = package.license_identifier.as_deref().unwrap_or("not stated");
+        let named = format!("Licence: {licence}. Authors: {}", package.authors.join(", "));
         if texts.is_empty() {
-            let licence = package.license_identifier.as_deref().unwrap_or("not stated");
-            texts.push(format!("Licence: {licence}. Authors: {}", package.authors.join(", ")));
+            texts.push(&named);
         }
         for text in texts {
-            let crates = users.entry(text).or_default();
-            crates.push(format!("crate {} {}", package.name, package.version));
+            let name = format!("crate {} {}\n", package.name, package.version);
+            users.entry(text.to_owned()).or_default().insert(name);
         }
     }
-    let mut groups: Vec<(Vec<String>, String)> = Vec::new();
-    for (text, mut crates) in users {
-        crates.sort();
-        crates.dedup();
-        groups.push((crates, text));
-    }
+    let mut groups: Vec<_> = users.into_iter().map(|(text, crates)| (crates, text)).collect();
     groups.sort();
-    let text = |(crates, text): &(Vec<String>, String)| {
-        format!("{}\n{}\n{}\n{text}\n\n", "=".repeat(80), crates.join("\n"), "-".repeat(80))
+    let [heavy, light] = ["=", "-"].map(|line| line.repeat(80));
+    let group = |(crates, text): (BTreeSet<String>, String)| {
+        format!("{heavy}\n{}{light}\n{text}\n\n", crates.into_iter().collect::<String>())
     };
-    groups.iter().map(text).collect()
+    groups.into_iter().map(group).collect()
 }

@@ -10,8 +10,8 @@ import numpy as np
 import torch
 from network import Network, film_plan, patch_plan
 
-OUT = Path(__file__).resolve().parents[2] / "crates/spineline-detect/weights"
-HEAD = """# Weights of the landmark networks: layers in order. Made by training/landmarks/export.py; model card: training/landmarks/README.md.
+OUT = Path(__file__).resolve().parents[2] / "crates/spineline-weights/data"
+HEAD = """# Weights of the landmark networks: layers in order. Made by training/landmarks/export.py; model card: README.md.
 # A line: network, layer, kind, inputs, channels in, channels out, kernel, stride, relu after it, offset, count.
 # offset and count: values in landmarks.bin (f16, little-endian): weights [out][in][row][column], then a bias per channel out.
 # conv: zero padding of kernel/2, output i at input i x stride. pool: largest of 2 x 2. up: each value twice in x and y. add: sum of both inputs.

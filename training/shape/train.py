@@ -1,4 +1,4 @@
-"""Learns the shape of erect spines and writes the table that the library contains.
+"""Learns the shape of erect spines and writes their table.
 
     python training/shape/train.py path/to/aasce
     python training/shape/train.py path/to/aasce --split train --out FILE
@@ -14,10 +14,10 @@ import shape
 from landmarks import read_films
 from split import part_of
 
-OUT = Path(__file__).resolve().parents[2] / "crates/spineline/src/measure/completion/erect_spines.txt"
+OUT = Path(__file__).resolve().parents[2] / "crates/spineline-weights/data/erect_spines.txt"
 HEAD = """# Shape of erect scoliotic spines on frontal X-rays: {films} films of at least {patients} patients, with their mirror images.
 # The licence of the data is known second-hand only: see the model card before this table is published.
-# Learned by training/shape/train.py from landmarks of AASCE 2019 [wu-boostnet-2017]; model card: training/shape/README.md.
+# Learned by training/shape/train.py from landmarks of AASCE 2019 [wu-boostnet-2017]; model card: README.md.
 # A line: name, mean, and covariances with the names before it and with itself. Angles in rad, lengths as logarithms."""
 
 

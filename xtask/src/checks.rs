@@ -109,6 +109,12 @@ pub fn archive(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["test", "--quiet", "--test", "it"], &["orthanc"], &[])
 }
 
+/// The program as a packager builds it who leaves the weights out. It replaces the program of the other steps.
+pub fn without_weights(plan: &Plan<'_>) -> Result<(), String> {
+    let rest = ["--no-default-features", "without_weights"];
+    cargo_on(plan, &["test", "--quiet", "--test", "it"], &rest, &[])
+}
+
 /// Studies of minutes over thousands of synthetic patients, which are ignored by other runs.
 ///
 /// `cargo xtask studies` runs all of them, for so long that a release build pays. A full run uses the tests' build and

@@ -165,6 +165,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             Step::new("browser", &[Tool::Npm], web::browser_in_short).alone(),
             attack,
             studies,
+            Step::new("without weights", &[], checks::without_weights).alone(),
         ],
         "python" => vec![package],
         "notebooks" => vec![notebooks.usual()],

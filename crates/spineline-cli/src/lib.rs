@@ -43,6 +43,8 @@ fn run() -> Result<Ending, Failure> {
         Err(words) if !words.use_stderr() => return outputs::shown(words.print()),
         Err(words) => refuse(words),
     };
+    #[cfg(feature = "weights")]
+    spineline::measure::completion::provide_shape(spineline_weights::ERECT_SPINES);
     // The decoder of films is ended by its parent.
     if !matches!(command, Command::DecodeFilm) {
         interrupt::catch()?;

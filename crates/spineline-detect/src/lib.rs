@@ -5,7 +5,7 @@
 //! of centres that looks most like a spine. The second one sees a patch around each vertebra and places its corners.
 //!
 //! The training films show erect adolescents with scoliosis only: no bends, no lateral films, no adults, no implants.
-//! `training/landmarks/README.md` is its model card. A person must check the proposals.
+//! `crates/spineline-weights/README.md` is their model card. A person must check the proposals.
 //!
 //! ```
 //! use spineline::anatomy::ImageSide;
@@ -80,6 +80,11 @@ pub struct Detection {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
+    /// The program was built without the feature `weights`.
+    #[error(
+        "this program was built without the networks that find vertebrae; place the landmarks by hand"
+    )]
+    NoNetworks,
     /// The picture shows no frontal spine.
     #[error(
         "no frontal spine was found: {vertebrae} vertebrae in a row, and {} down to L2 or lower are needed at least; place the landmarks by hand",
@@ -108,6 +113,9 @@ pub enum Refusal {
 /// # Errors
 /// [`Refusal`] if the picture shows no frontal spine, or is not a film.
 pub fn detect(picture: &Picture<'_>) -> Result<Detection, Refusal> {
+    if !cfg!(feature = "weights") {
+        return Err(Refusal::NoNetworks);
+    }
     let &Picture { columns, rows, pixel_aspect, values, .. } = picture;
     let is_filled = columns.checked_mul(rows) == Some(values.len());
     let is_shaped = pixel_aspect.is_finite() && (0.1..=10.0).contains(&pixel_aspect);

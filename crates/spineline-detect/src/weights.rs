@@ -5,10 +5,16 @@ use std::sync::LazyLock;
 use crate::grid::Grid;
 use crate::kernel::{Convolution, Map};
 
-/// Half-precision numbers, little-endian.
-const VALUES: &[u8] = include_bytes!("../weights/landmarks.bin");
-/// A line per layer: network, name, kind, inputs, channels in and out, kernel, stride, whether rectified, offset, count.
-const LAYERS: &str = include_str!("../weights/landmarks.txt");
+// Half-precision numbers, little-endian; and a line per layer: network, name, kind, inputs, channels in and out, kernel, stride, whether
+// rectified, offset, count.
+#[cfg(feature = "weights")]
+use spineline_weights::{LAYERS, NETWORKS};
+
+// A program without the weights refuses every film.
+#[cfg(not(feature = "weights"))]
+const NETWORKS: &[u8] = &[];
+#[cfg(not(feature = "weights"))]
+const LAYERS: &str = "";
 
 enum Kind {
     Convolution(Convolution),
@@ -92,7 +98,7 @@ fn convolution(numbers: &[usize]) -> Convolution {
     let &[inputs, outputs, size, stride, _, offset, count] = numbers else {
         panic!("a line of the list has seven numbers")
     };
-    let values: Vec<f32> = VALUES[2 * offset..2 * (offset + count)]
+    let values: Vec<f32> = NETWORKS[2 * offset..2 * (offset + count)]
         .chunks_exact(2)
         .map(|bytes| single(u16::from_le_bytes([bytes[0], bytes[1]])))
         .collect();
@@ -148,6 +154,6 @@ mod tests {
             assert_eq!(number(9), next, "{line}");
             next += number(10);
         }
-        assert_eq!(VALUES.len(), 2 * next);
+        assert_eq!(NETWORKS.len(), 2 * next);
     }
 }

@@ -10,7 +10,9 @@ use std::io::{self, Read, Write};
 use serde::Deserialize;
 use spineline::anatomy::{ImageSide, Level, Posture, Side};
 use spineline::measure::ImageGeometry;
-use spineline::measure::completion::{Click, Clicks, Mark, ShapeModel, complete, complete_by};
+use spineline::measure::completion::{
+    Click, Clicks, Mark, ShapeModel, complete, complete_by, provide_shape,
+};
 use spineline::spatial::Pixel;
 
 #[derive(Deserialize)]
@@ -27,6 +29,7 @@ struct Film {
 }
 
 fn main() -> io::Result<()> {
+    provide_shape(spineline_weights::ERECT_SPINES);
     let mut text = String::new();
     io::stdin().read_to_string(&mut text)?;
     let request: Request = serde_json::from_str(&text)?;

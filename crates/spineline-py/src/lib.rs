@@ -41,6 +41,12 @@ mod _native {
     #[pymodule_export]
     use super::table::Table;
 
+    #[pymodule_init]
+    fn init() {
+        #[cfg(feature = "weights")]
+        spineline::measure::completion::provide_shape(spineline_weights::ERECT_SPINES);
+    }
+
     /// The version of the program.
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

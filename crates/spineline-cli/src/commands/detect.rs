@@ -10,7 +10,7 @@ use spineline::measure::{
 };
 use spineline::number::fixed;
 use spineline::warning::counted;
-use spineline_detect::{DetectedVertebra, Detection, Picture, detect};
+use spineline_detect::{DetectedVertebra, Detection, Picture, Refusal, detect};
 use spineline_files::{CaseFile, FilmSource, sha256_hex, to_text};
 use spineline_films::FilmFile;
 use spineline_films::intake::{IntakeLimits, Place, read};
@@ -22,7 +22,7 @@ use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
 use crate::run::inputs::{CaseInput, is_json};
-use crate::run::messages::say;
+use crate::run::messages::{say, say_origin_of_weights};
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
 use crate::run::progress::bar;
 
@@ -59,6 +59,7 @@ pub struct DetectArgs {
 pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
     let outputs = Outputs::new(args.overwrite, args.films.iter().map(PathBuf::as_path));
     outputs.folder(&args.out)?;
+    say_origin_of_weights();
     let decoder = Decoder::new()?;
     let progress = bar("films", args.films.len());
     let (mut text, mut ending) = (Lines::default(), Ending::Done);
@@ -176,8 +177,13 @@ fn read_film(
     image: &ImageGeometry,
     place: &str,
 ) -> Result<(Reading<VertebraLandmarks>, Detection), Failure> {
-    let detection =
-        in_picture(film, image).map_err(|refusal| Failure::input(place, &refusal, FRONTAL))?;
+    let refused = |refusal| match refusal {
+        Refusal::NoNetworks => {
+            Failure::input(place, &refusal, "use a program built with the feature `weights`")
+        }
+        _ => Failure::input(place, &refusal, FRONTAL),
+    };
+    let detection = in_picture(film, image).map_err(refused)?;
     let landmarks = |found: &DetectedVertebra| {
         let landmarks = VertebraLandmarks {
             origins: Corners::all(Origin::Detected),
@@ -191,10 +197,7 @@ fn read_film(
     Ok((Reading { id: ReadingId::new("spineline-detect", 1), vertebrae }, detection))
 }
 
-fn in_picture(
-    film: &FilmFile,
-    image: &ImageGeometry,
-) -> Result<Detection, spineline_detect::Refusal> {
+fn in_picture(film: &FilmFile, image: &ImageGeometry) -> Result<Detection, Refusal> {
     // Displayed as for a reader: the networks were trained on such pictures.
     let shown = film.display(None, false);
     let values: Vec<f32> = shown.grey.iter().map(|&grey| f32::from(grey)).collect();

@@ -14,6 +14,8 @@ pub fn run() -> Result<Ending, Failure> {
         include_str!("../../../../LICENSE-MIT"),
     )
     .to_owned();
+    #[cfg(feature = "weights")]
+    text.push_str(&format!("\nWeights that propose landmarks:\n\n{}", spineline_weights::LICENCE));
     text.push_str(
         "\nThe program and the Python package contain the packages below, with their fonts.\n\n",
     );

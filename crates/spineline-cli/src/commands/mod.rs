@@ -117,7 +117,7 @@ pub enum Command {
     /// Print a manual page for `man`
     #[command(after_help = manual::EXAMPLES)]
     Manual(manual::ManualArgs),
-    /// Print the licences of the program, and of all packages and fonts in it
+    /// Print the licences of the program, of all packages and fonts in it, and of its weights
     #[command(alias = "licenses")]
     Licences,
     /// Decode the film on the standard input, with limits on memory and time

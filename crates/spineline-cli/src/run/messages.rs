@@ -12,6 +12,12 @@ pub fn say(message: impl Into<Lines>) {
     let _ = std::io::stderr().lock().write_all(message.into().as_str().as_bytes());
 }
 
+/// Names the origin of the weights that propose landmarks, in a program that has them.
+pub fn say_origin_of_weights() {
+    #[cfg(feature = "weights")]
+    say(spineline_weights::NOTE);
+}
+
 /// Runs the program so that a bug ends it with a failure. The message of a panic may quote a file, so only its place is shown.
 ///
 /// # Errors

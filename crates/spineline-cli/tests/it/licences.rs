@@ -3,7 +3,7 @@
 use crate::program::{done, folder};
 
 #[test]
-fn licences_of_crates_fonts_and_the_app_are_printed() {
+fn licences_of_crates_fonts_weights_and_the_app_are_printed() {
     let text = done(folder().path(), &["licences"]);
     // The crates of the program, of its font and of the Python module, with licences by their text.
     for part in ["crate rusqlite 0", "crate dejavu 2", "crate pyo3 0", "crate tokio 1"] {
@@ -13,6 +13,7 @@ fn licences_of_crates_fonts_and_the_app_are_printed() {
         assert!(text.contains(part), "{part}");
     }
     assert!(text.len() < 2_000_000, "every text stands once: {}", text.len());
+    assert_eq!(text.contains("AASCE 2019"), cfg!(feature = "weights"));
     for package in ["svelte", "three", "openapi-fetch"] {
         assert_eq!(
             text.contains(&format!("## {package}")),

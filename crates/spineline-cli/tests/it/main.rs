@@ -41,3 +41,5 @@ mod study;
 mod tables;
 mod terminals;
 mod unpacked;
+#[cfg(not(feature = "weights"))]
+mod without_weights;

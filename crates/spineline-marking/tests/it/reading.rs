@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::Level;
+use spineline::measure::completion::provide_shape;
 use spineline::measure::{CornerFault, CornerName, Corners, ImageGeometry, Origin};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline_marking::{
@@ -19,6 +20,7 @@ fn phantom(index: usize) -> Phantom {
 }
 
 fn marked(vertebrae: &BTreeMap<Level, Corners<Pixel>>, levels: &[Level]) -> PartialReading {
+    provide_shape(spineline_weights::ERECT_SPINES);
     let landmarks = levels.iter().map(|&level| {
         (
             level,

@@ -10,7 +10,7 @@ use rand_distr::{Distribution, StandardNormal};
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze_movement};
 use spineline::anatomy::{Level, Posture, SagittalProfile, Side};
-use spineline::measure::completion::{Click, Clicks, Mark, complete};
+use spineline::measure::completion::{Click, Clicks, Mark, complete, provide_shape};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, ImageGeometry, Origin, Outline, Reading, ReadingId, Spacing,
     SpacingPlane, TiltRule, VertebraLandmarks, measure_film, measure_readings,
@@ -234,6 +234,7 @@ fn read_by_walls(film: &TrueFilm, sd_mm: f64, draw: &mut impl FnMut() -> f64) ->
     let image = film.image;
     let mut walls = BTreeMap::new();
     let mut clicks = Clicks::default();
+    provide_shape(spineline_weights::ERECT_SPINES);
     for (&level, corners) in &film.vertebrae {
         let corners = corners.map(|corner| image.frontal(corner));
         let pairs = [

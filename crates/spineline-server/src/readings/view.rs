@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::{FilmView, Level, Side};
+use spineline::measure::completion::has_shape;
 use spineline::measure::{CornerName, ImageGeometry, Origin};
 use spineline::spatial::{Angle, Pixel};
 use spineline_marking::{NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra};
@@ -53,6 +54,7 @@ fn view_of(
     let is_lateral = view == FilmView::Lateral;
     let landmarks = landmarks(state, view);
     let is_blinded = seen.code.is_some();
+    let proposes = seen.proposals && has_shape();
     let posture = (!is_blinded).then_some(Wire(view));
     let crest = |side| state.iliac_crests_px.get(&side).copied();
     Ok(ReadingView {
@@ -86,11 +88,11 @@ fn view_of(
         next: landmarks.next().and_then(|next| next_landmark(next, view)),
         next_by_walls: landmarks
             .next_by_walls()
-            .filter(|_| seen.proposals && !is_lateral)
+            .filter(|_| proposes && !is_lateral)
             .and_then(|next| next_landmark(next, view)),
-        proposals_allowed: seen.proposals,
+        proposals_allowed: proposes,
         // Proposals use sizes from frontal views.
-        proposals: if seen.proposals && !is_lateral {
+        proposals: if proposes && !is_lateral {
             let posture = view.posture().filter(|_| !is_blinded);
             landmarks.propose(&image, posture).iter().map(proposal_view).collect()
         } else {

@@ -91,6 +91,7 @@ impl App {
 
     fn over(folder: TempDir, store: Store, options: ServeOptions) -> Self {
         let runtime = Runtime::new().expect("a runtime");
+        spineline::measure::completion::provide_shape(spineline_weights::ERECT_SPINES);
         let address: SocketAddr = HOST.parse().expect("an address");
         let state = AppState::new(store, address, options);
         Self { runtime, router: app(state.clone()), state, folder }

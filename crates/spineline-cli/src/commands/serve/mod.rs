@@ -14,7 +14,7 @@ use crate::analysis::study::add_case;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::is_json;
 use crate::run::interrupt;
-use crate::run::messages::say;
+use crate::run::messages::{say, say_origin_of_weights};
 use crate::run::outputs::print;
 
 use archives::ArchiveArgs;
@@ -102,6 +102,7 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
             "warning: the browser app is not in this program: its address shows a page that says so; build the app with `cargo xtask web` (needs Node), then build the program again",
         );
     }
+    say_origin_of_weights();
     let decoder = std::env::current_exe()
         .map_err(|error| Failure::internal(format!("this program cannot find itself: {error}")))?;
     let options = ServeOptions {

@@ -7,7 +7,7 @@
 //! On films that are not erect the rotations of the joints have more freedom.
 //!
 //! # References
-//! Landmarks: [wu-boostnet-2017]; model card in `training/shape`. The figures of `validation/proposals.md` are of films of
+//! Landmarks: [wu-boostnet-2017]; model card in `crates/spineline-weights`. The figures of `validation/proposals.md` are of films of
 //! patients it was not learned from.
 
 mod clicks;
@@ -18,8 +18,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2};
 
 pub use self::clicks::{Click, Clicks, Mark};
 use self::clicks::{Equations, PlacedClicks};
-pub use self::model::ShapeModel;
 use self::model::model_of;
+pub use self::model::{ShapeModel, has_shape, provide_shape};
 use self::shape::{
     CORNERS, FIRST_LENGTH, LENGTHS, LEVELS, PARAMETERS, Shape, coordinate, corners_at,
 };
@@ -49,6 +49,9 @@ pub struct Completion {
 /// Why corners could not be completed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CompletionError {
+    /// The program has provided no table ([`provide_shape`]).
+    #[error("this program was built without the shape of spines that completes corners")]
+    NoShape,
     /// Fewer than two clicks on vertebrae, or all at one place.
     #[error(
         "corners cannot be completed from {clicks} clicks on vertebrae: two that lie apart are needed"
@@ -124,7 +127,7 @@ impl Completion {
 ///
 /// ```
 /// use spineline::anatomy::{ImageSide, Level, Posture, Side};
-/// use spineline::measure::completion::{Click, Clicks, Mark, complete};
+/// use spineline::measure::completion::{Click, Clicks, Mark, complete, provide_shape};
 /// use spineline::measure::ImageGeometry;
 /// use spineline::spatial::Pixel;
 ///
@@ -137,6 +140,7 @@ impl Completion {
 ///     click(Level::L3, Side::Left, 558.0, 1900.0),
 ///     click(Level::L3, Side::Right, 442.0, 1900.0),
 /// ];
+/// provide_shape(spineline_weights::ERECT_SPINES);
 /// let found = complete(&image, Some(Posture::Erect), &Clicks { vertebrae, midline: vec![] })?;
 /// let l3 = found.corners_px(&image, Level::L3);
 /// assert!(l3.superior_left.row_px < 1900.0 && l3.inferior_left.row_px > 1900.0);
@@ -149,7 +153,8 @@ pub fn complete(
     posture: Option<Posture>,
     clicks: &Clicks,
 ) -> Result<Completion, CompletionError> {
-    complete_by(model_of(posture), image, clicks)
+    let model = model_of(posture).ok_or(CompletionError::NoShape)?;
+    complete_by(model, image, clicks)
 }
 
 /// As [`complete`], by a model of other films, such as one that leaves out the patients on whom it is tried.

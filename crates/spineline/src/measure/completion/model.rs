@@ -1,6 +1,6 @@
 //! Shape of erect spines: mean and covariance of its parameters.
 
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,8 +8,8 @@ use super::shape::{ANGLES, FIRST_ANGLE, FIRST_LENGTH, LENGTHS, LEVELS, PARAMETER
 use crate::anatomy::Posture;
 use crate::spatial::Angle;
 
-/// The table that `training/shape/train.py` writes.
-const TABLE: &str = include_str!("erect_spines.txt");
+/// The table of the shape of erect spines, once a program has provided it.
+static TABLE: OnceLock<&str> = OnceLock::new();
 
 /// Standard deviation of the rotation of a joint between the erect film and a bend: half the ranges of lateral bending of
 /// one side and the other, 5° to 10° per joint [white-panjabi-1990], rounded up; traction straightens by no more.
@@ -24,21 +24,34 @@ pub struct ShapeModel {
     pub(super) precision: DMatrix<f64>,
 }
 
-/// The model for films of a posture; the joints of other films than erect ones have more freedom.
-pub(super) fn model_of(posture: Option<Posture>) -> &'static ShapeModel {
-    fn own(bend_sd: Angle) -> ShapeModel {
-        ShapeModel::of_table(TABLE, bend_sd).expect("the library's own table is one")
-    }
-    static ERECT: LazyLock<ShapeModel> = LazyLock::new(|| own(Angle::ZERO));
-    static OTHER: LazyLock<ShapeModel> = LazyLock::new(|| own(BEND_SD));
-    match posture {
-        Some(Posture::Erect) => &ERECT,
-        _ => &OTHER,
-    }
+/// Provides the table of the shape of erect spines, as `training/shape/train.py` writes it, for all completions of this process. The first
+/// table stays.
+///
+/// The library contains no table, since the X-rays from which one was learned have an unconfirmed licence: the crate
+/// `spineline-weights` has it. Programs provide it at their start.
+pub fn provide_shape(table: &'static str) {
+    TABLE.get_or_init(|| table);
+}
+
+/// Whether a table was provided, so that corners can be completed.
+pub fn has_shape() -> bool {
+    TABLE.get().is_some()
+}
+
+/// The model for films of a posture; the joints of other films than erect ones have more freedom. `None` without a table.
+pub(super) fn model_of(posture: Option<Posture>) -> Option<&'static ShapeModel> {
+    static ERECT: OnceLock<Option<ShapeModel>> = OnceLock::new();
+    static OTHER: OnceLock<Option<ShapeModel>> = OnceLock::new();
+    let table = TABLE.get()?;
+    let (model, bend_sd) = match posture {
+        Some(Posture::Erect) => (&ERECT, Angle::ZERO),
+        _ => (&OTHER, BEND_SD),
+    };
+    model.get_or_init(|| ShapeModel::of_table(table, bend_sd)).as_ref()
 }
 
 impl ShapeModel {
-    /// The shape of erect spines from a table as `training/shape/train.py` writes it, of other films than the library's own.
+    /// The shape of erect spines from a table as `training/shape/train.py` writes it.
     ///
     /// `None` for any other text.
     #[must_use]
@@ -99,19 +112,22 @@ const _: () = assert!(FIRST_LENGTH + LENGTHS == PARAMETERS);
 #[cfg(test)]
 mod tests {
     use super::*;
+    use spineline_weights::ERECT_SPINES;
 
     #[test]
     fn a_table_that_is_cut_or_damaged_is_refused() {
-        assert!(ShapeModel::of_erect(TABLE).is_some());
-        let cut = &TABLE[..TABLE.len() / 2];
+        assert!(ShapeModel::of_erect(ERECT_SPINES).is_some());
+        let cut = &ERECT_SPINES[..ERECT_SPINES.len() / 2];
         assert!(ShapeModel::of_erect(cut).is_none());
         assert!(ShapeModel::of_erect("").is_none());
-        assert!(ShapeModel::of_erect(&TABLE.replacen("0.0", "NaN", 3)).is_none());
+        assert!(ShapeModel::of_erect(&ERECT_SPINES.replacen("0.0", "NaN", 3)).is_none());
     }
 
     #[test]
     fn joints_of_other_films_are_freer_and_nothing_else_is() {
-        let [erect, other] = [Some(Posture::Erect), None].map(model_of);
+        provide_shape(ERECT_SPINES);
+        let [erect, other] =
+            [Some(Posture::Erect), None].map(|one| model_of(one).expect("a table"));
         assert_eq!(erect.mean, other.mean);
         let joint = |model: &ShapeModel| model.precision[(FIRST_ANGLE, FIRST_ANGLE)];
         assert!(joint(other) < joint(erect));

@@ -9,7 +9,8 @@ const IMAGE: ImageGeometry =
 
 /// A shape of one of the spines of the model, curved and scaled.
 fn curved(seed: u32) -> Shape {
-    let mut parameters = model_of(Some(Posture::Erect)).mean.clone();
+    provide_shape(spineline_weights::ERECT_SPINES);
+    let mut parameters = model_of(Some(Posture::Erect)).expect("a table").mean.clone();
     let phase = f64::from(seed);
     for (index, value) in parameters.iter_mut().enumerate().skip(2) {
         *value += 0.08 * (phase + 0.7 * index as f64).sin();
@@ -146,6 +147,7 @@ fn points_of_the_midline_draw_the_centres_to_it() {
 
 #[test]
 fn too_few_clicks_and_no_numbers_are_errors() {
+    provide_shape(spineline_weights::ERECT_SPINES);
     let click =
         |column| Click { level: Level::L3, mark: Mark::Centre, place: Pixel::new(column, 9.0) };
     let of = |vertebrae: Vec<Click>| {

@@ -1,3 +1,4 @@
+use super::super::completion::provide_shape;
 use super::super::{Noise, ReadingId, VertebraLandmarks};
 use super::*;
 use crate::anatomy::ImageSide;
@@ -24,6 +25,7 @@ fn reading(vertebrae: Vec<(Level, VertebraLandmarks)>) -> Reading<VertebraLandma
 
 /// Bodies of L4 to T2 above one another, with the walls marked and the corners of this origin.
 fn column(origin: Origin) -> Reading<VertebraLandmarks> {
+    provide_shape(spineline_weights::ERECT_SPINES);
     let marked = |(i, level): (usize, Level)| {
         let row_px = 1800.0 - 100.0 * i as f64;
         let walls = [Some(Pixel::new(460.0, row_px)), Some(Pixel::new(340.0, row_px))];
