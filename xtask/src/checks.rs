@@ -142,6 +142,12 @@ pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &command, &targets, &[("RUSTDOCFLAGS", "--deny warnings")])
 }
 
+/// Packs the crates for crates.io, and builds them from their packages.
+pub fn packages(plan: &Plan<'_>) -> Result<(), String> {
+    let crates = ["-p", "spineline", "-p", "spineline-phantom", "-p", "spineline-files"];
+    cargo(plan.root, &[&["package", "--locked", "--allow-dirty"][..], &crates].concat())
+}
+
 /// Quick tests of some crates and of all that depend on them.
 pub struct QuickTests {
     filter: String,

@@ -159,6 +159,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             Step::new("doc examples", &[], checks::doctest),
             lint.full(),
             Step::new("docs", &[], checks::rustdoc).full(),
+            Step::new("packages", &[], checks::packages).full(),
             // Both write files that the Python step or the lints read.
             notebooks.alone(),
             wheel.alone(),

@@ -11,7 +11,7 @@ const CRATES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/notices.zlib"));
 pub fn run() -> Result<Ending, Failure> {
     let mut text = concat!(
         "Spineline is under the licences MIT or Apache 2.0, at your choice.\n\n",
-        include_str!("../../../../LICENSE-MIT"),
+        include_str!("../../LICENSE-MIT"),
     )
     .to_owned();
     #[cfg(feature = "weights")]
