@@ -57,6 +57,7 @@ cargo xtask COMMAND
   python   test the Python package and its types; measure import and calls
   notebooks
            run the notebooks and write them as pages with their pictures
+  slicer   run the self-test of the module of 3D Slicer on Slicer's scene
   wheel [--also INTERPRETER]
            build the wheel of the Python package, with the program and the browser app inside; --also builds a second
            one for an interpreter without the stable ABI, such as python3.14t
@@ -139,6 +140,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     let package = Step::new("python", &[Tool::Python], package::test);
     let wheel = Step::new("wheel", &[Tool::Python], |plan| package::test_wheel(plan.root)).full();
     let notebooks = Step::new("notebooks", &[Tool::Python], notebooks::test).full();
+    let slicer = Step::new("slicer", &[Tool::Python], package::test_slicer).full();
     let attack = Step::new("attack", &[Tool::Python], outside::attack).full();
     let studies = Step::new("studies", &[], checks::slow_studies).full();
     Some(match command {
@@ -160,8 +162,9 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             lint.full(),
             Step::new("docs", &[], checks::rustdoc).full(),
             Step::new("packages", &[], checks::packages).full(),
-            // Both write files that the Python step or the lints read.
+            // They write files that the Python step or the lints read.
             notebooks.alone(),
+            slicer.alone(),
             wheel.alone(),
             Step::new("browser", &[Tool::Npm], web::browser_in_short).alone(),
             attack,
@@ -170,6 +173,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
         ],
         "python" => vec![package],
         "notebooks" => vec![notebooks.usual()],
+        "slicer" => vec![slicer.usual()],
         "attack" => vec![attack.usual()],
         "studies" => vec![studies.usual()],
         "check" => vec![format, tidy, lint],

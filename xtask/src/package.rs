@@ -182,6 +182,15 @@ pub fn test_wheel(root: &Path) -> Result<(), String> {
     pytest(root, &python::target()?, &interpreter, &variables, &WHEEL_TESTS)
 }
 
+/// Runs the self-test of the module of 3D Slicer on Slicer's own scene.
+pub fn test_slicer(plan: &Plan<'_>) -> Result<(), String> {
+    let folder = plan.root.join("integrations/slicer");
+    let interpreter = python::environment(plan.root, "slicer", &folder.join("requirements.txt"))?;
+    let package = python::text(&staged(plan)?)?;
+    let variables = [("PYTHONPATH", package.as_str()), ("PYTHONDONTWRITEBYTECODE", "1")];
+    run(&folder, &python::text(&interpreter)?, &["selftest.py"], &variables)
+}
+
 /// The package with the native module of the tests' build, below the target folder.
 pub fn staged(plan: &Plan<'_>) -> Result<PathBuf, String> {
     let module = native_module(plan)?;

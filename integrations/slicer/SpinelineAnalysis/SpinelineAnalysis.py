@@ -1,6 +1,6 @@
 """Spineline in 3D Slicer: corners of vertebrae in, curve, lines of action, model and verdict out.
 
-Not run inside of Slicer yet: see README.md beside this folder.
+Its window was not run inside of Slicer yet: see README.md beside this folder.
 """
 
 import tempfile
@@ -149,6 +149,7 @@ class SpinelineAnalysisLogic(ScriptedLoadableModuleLogic):
             return
         node = slicer.mrmlScene.AddNewNodeByClass(kind, name)
         node.SetAttribute("Spineline", "1")
+        node.CreateDefaultDisplayNodes()
         slicer.util.updateMarkupsControlPointsFromArray(node, points_ras)
         node.SetLocked(True)
         display = node.GetDisplayNode()
