@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-use super::completion::{Click, Clicks, CompletionError, complete};
+use super::completion::{Clicks, CompletionError, complete};
 use super::{
     CornerName, Corners, ImageGeometry, Origin, ProgramNoise, Reading, TiltRule, VertebraLandmarks,
 };
@@ -50,7 +50,7 @@ impl ProgramCorners {
         }
         let stated = |level: Level| reading.vertebrae[&level].sd_share;
         let completion = if corners.iter().any(|&(level, _)| stated(level).is_none()) {
-            Some(complete(image, posture, &clicks_of(&reading.vertebrae))?)
+            Some(complete(image, posture, &Clicks::of_readings(std::slice::from_ref(reading)))?)
         } else {
             None
         };
@@ -169,18 +169,6 @@ impl ProgramCorners {
             *corner = image.pixel(image.frontal(*corner) + off);
         }
     }
-}
-
-/// The landmarks that a person placed on these vertebrae: corners, and the walls of vertebrae without one.
-pub(super) fn clicks_of(vertebrae: &BTreeMap<Level, VertebraLandmarks>) -> Clicks {
-    let of = |(&level, landmark): (&Level, &VertebraLandmarks)| {
-        let placed = CornerName::ALL.map(|name| {
-            let place = name.of(&landmark.corners);
-            name.of(&landmark.origins).is_placed().then_some((name, place))
-        });
-        Click::on(level, placed, landmark.walls)
-    };
-    Clicks { vertebrae: vertebrae.iter().flat_map(of).collect(), midline: Vec::new() }
 }
 
 /// Derivatives of location and tilt by the coordinates of the corners, in the order of [`CornerName::ALL`]; by differences.

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::CompletionError;
 use super::shape::{LEVELS, PARAMETERS, coordinate};
 use crate::anatomy::{Level, Side};
-use crate::measure::{CornerName, ImageGeometry};
+use crate::measure::{CornerName, ImageGeometry, Reading, VertebraLandmarks};
 use crate::spatial::{Frontal, Pixel};
 
 /// What a click marks on a vertebra.
@@ -83,6 +84,22 @@ pub struct Clicks {
     pub midline: Vec<Pixel>,
 }
 
+impl Clicks {
+    /// The landmarks that a person placed in these readings: corners, and the walls of vertebrae without one.
+    #[must_use]
+    pub fn of_readings(readings: &[Reading<VertebraLandmarks>]) -> Self {
+        let of = |(&level, landmark): (&Level, &VertebraLandmarks)| {
+            let placed = CornerName::ALL.map(|name| {
+                let place = name.of(&landmark.corners);
+                name.of(&landmark.origins).is_placed().then_some((name, place))
+            });
+            Click::on(level, placed, landmark.walls)
+        };
+        let vertebrae = readings.iter().flat_map(|reading| &reading.vertebrae).flat_map(of);
+        Self { vertebrae: vertebrae.collect(), midline: Vec::new() }
+    }
+}
+
 /// Equations `matrix · corners = values` of clicks, in millimetres about a place.
 pub(super) struct Equations {
     pub matrix: DMatrix<f64>,
@@ -97,7 +114,13 @@ pub(super) struct PlacedClicks {
 }
 
 impl PlacedClicks {
-    pub fn new(image: &ImageGeometry, clicks: &Clicks) -> Self {
+    /// # Errors
+    /// [`CompletionError`] for clicks that are not finite, or do not lie apart.
+    pub fn new(image: &ImageGeometry, clicks: &Clicks) -> Result<Self, CompletionError> {
+        let bad = clicks.vertebrae.iter().find(|click| !click.place.is_finite());
+        if let Some(&Click { level, .. }) = bad {
+            return Err(CompletionError::NotFinite { level });
+        }
         let places = clicks.vertebrae.iter().map(|click| image.frontal(click.place));
         let count = clicks.vertebrae.len().max(1) as f64;
         let about = places.fold(Frontal::default(), |sum, place| sum + place) * (1.0 / count);
@@ -105,13 +128,13 @@ impl PlacedClicks {
             .vertebrae
             .iter()
             .map(|click| (click.level, click.mark, image.frontal(click.place) - about));
+        let vertebrae: Vec<_> = vertebrae.collect();
+        let is_apart = |&(.., place): &(Level, Mark, Frontal)| place.norm_mm() > 1e-9;
+        if vertebrae.len() < 2 || !vertebrae.iter().any(is_apart) {
+            return Err(CompletionError::TooFew { clicks: vertebrae.len() });
+        }
         let midline = clicks.midline.iter().map(|&place| image.frontal(place) - about);
-        Self { about, vertebrae: vertebrae.collect(), midline: midline.collect() }
-    }
-
-    /// Whether two clicks on vertebrae differ in place.
-    pub fn lie_apart(&self) -> bool {
-        self.vertebrae.iter().any(|&(.., place)| place.norm_mm() > 1e-9)
+        Ok(Self { about, vertebrae, midline: midline.collect() })
     }
 
     /// Equations of the clicks on vertebrae alone.

@@ -11,32 +11,24 @@
 //! patients it was not learned from.
 
 mod clicks;
+mod error;
+mod fit;
 mod model;
+mod patient;
 mod shape;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2};
+use nalgebra::{DMatrix, Matrix2};
 
+use self::clicks::PlacedClicks;
 pub use self::clicks::{Click, Clicks, Mark};
-use self::clicks::{Equations, PlacedClicks};
+pub use self::error::CompletionError;
+use self::fit::{Fit, fit_to};
 use self::model::model_of;
 pub use self::model::{ShapeModel, has_shape, provide_shape};
-use self::shape::{
-    CORNERS, FIRST_LENGTH, LENGTHS, LEVELS, PARAMETERS, Shape, coordinate, corners_at,
-};
+use self::shape::{CORNERS, LEVELS, coordinate, corners_at};
 use super::{CornerName, Corners, ImageGeometry};
 use crate::anatomy::{Level, Posture};
-use crate::spatial::{Angle, Frontal, Pixel};
-
-/// Standard deviation of a click as a part of the distance between the centres of neighbours: 0.7 mm at 26 mm.
-///
-/// # References
-/// Assumption, between one careful reader and the AASCE readers, whose corners differ by more.
-const CLICK_SD_PER_STEP: f64 = 0.0265;
-/// Largest change of an angle or a logarithm at convergence.
-const TOLERANCE: f64 = 1e-8;
-const MAX_ITERATIONS: usize = 60;
-/// Largest change of an angle or a logarithm in one iteration.
-const MAX_STEP: f64 = 0.4;
+use crate::spatial::{Frontal, Pixel};
 
 /// Corners of all vertebrae from L5 to T1, completed from clicks.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,36 +36,6 @@ pub struct Completion {
     corners: [Corners<Frontal>; LEVELS],
     covariance_mm2: DMatrix<f64>,
     iterations: usize,
-}
-
-/// Why corners could not be completed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum CompletionError {
-    /// The program has provided no table ([`provide_shape`]).
-    #[error("this program was built without the shape of spines that completes corners")]
-    NoShape,
-    /// Fewer than two clicks on vertebrae, or all at one place.
-    #[error(
-        "corners cannot be completed from {clicks} clicks on vertebrae: two that lie apart are needed"
-    )]
-    TooFew {
-        /// Clicks on vertebrae.
-        clicks: usize,
-    },
-    /// A coordinate is not finite.
-    #[error("{level}: the place of a click is not a finite number")]
-    NotFinite {
-        /// Vertebra.
-        level: Level,
-    },
-    /// The most probable shape was not found.
-    #[error(
-        "corners could not be completed: the shape did not converge in {iterations} iterations; check the levels of the clicks"
-    )]
-    NotConverged {
-        /// Iterations made.
-        iterations: usize,
-    },
 }
 
 impl Completion {
@@ -153,11 +115,10 @@ pub fn complete(
     posture: Option<Posture>,
     clicks: &Clicks,
 ) -> Result<Completion, CompletionError> {
-    let model = model_of(posture).ok_or(CompletionError::NoShape)?;
-    complete_by(model, image, clicks)
+    complete_by(model_of(posture)?, image, clicks)
 }
 
-/// As [`complete`], by a model of other films, such as one that leaves out the patients on whom it is tried.
+/// As [`complete`], by another model: of the patient, or of films that leave out the patients on whom it is tried.
 ///
 /// # Errors
 /// [`CompletionError`].
@@ -166,93 +127,12 @@ pub fn complete_by(
     image: &ImageGeometry,
     clicks: &Clicks,
 ) -> Result<Completion, CompletionError> {
-    let count = clicks.vertebrae.len();
-    let bad = clicks.vertebrae.iter().find(|click| !click.place.is_finite());
-    if let Some(&Click { level, .. }) = bad {
-        return Err(CompletionError::NotFinite { level });
-    }
-    let placed = PlacedClicks::new(image, clicks);
-    if count < 2 || !placed.lie_apart() {
-        return Err(CompletionError::TooFew { clicks: count });
-    }
-    let start = start(model, &placed.of_vertebrae());
-    let Fit { shape, normal, iterations } = fit(model, start, &placed)?;
+    let placed = PlacedClicks::new(image, clicks)?;
+    let Fit { shape, normal, iterations } = fit_to(model, &placed)?;
     let jacobian = shape.jacobian();
     let covariance_mm2 = &jacobian * normal.solve(&jacobian.transpose());
     let corners = shape.corners().map(|body| body.map(|corner| corner + placed.about));
     Ok(Completion { corners, covariance_mm2, iterations })
-}
-
-/// The mean shape, placed, turned and scaled to the clicks by least squares.
-fn start(model: &ShapeModel, equations: &Equations) -> Shape {
-    let mut shape = Shape { parameters: model.mean.clone() };
-    let own = &equations.matrix * shape.coordinates();
-    let pairs = |values: &DVector<f64>| -> Vec<Frontal> {
-        values.as_slice().chunks_exact(2).map(|pair| Frontal::new(pair[0], pair[1])).collect()
-    };
-    let (own, clicked) = (pairs(&own), pairs(&equations.values));
-    let count = own.len() as f64;
-    let mean = own.iter().fold(Frontal::default(), |sum, &place| sum + place) * (1.0 / count);
-    let [mut along, mut across, mut square] = [0.0; 3];
-    for (&own, &clicked) in own.iter().zip(&clicked) {
-        let from = own - mean;
-        along += from.dot(clicked);
-        across += from.cross(clicked);
-        square += from.dot(from);
-    }
-    let scale = along.hypot(across) / square;
-    let turn = Angle::from_sin_cos(across, along);
-    let place = (mean * -scale).rotated(turn);
-    shape.parameters[0] = place.y_mm;
-    shape.parameters[1] = place.z_mm;
-    shape.parameters[2] = turn.rad();
-    shape.parameters.rows_mut(FIRST_LENGTH, LENGTHS).add_scalar_mut(scale.ln());
-    shape
-}
-
-struct Fit {
-    shape: Shape,
-    /// The factor of the normal equations at the solution: the inverse covariance of the parameters.
-    normal: Cholesky<f64, Dyn>,
-    iterations: usize,
-}
-
-/// Gauss–Newton from a start to the most probable shape.
-fn fit(model: &ShapeModel, start: Shape, clicks: &PlacedClicks) -> Result<Fit, CompletionError> {
-    let mut shape = start;
-    for iterations in 1..=MAX_ITERATIONS {
-        let failed = CompletionError::NotConverged { iterations };
-        let (equations, jacobian) = (clicks.equations(&centres(&shape)), shape.jacobian());
-        let step_mm = shape.parameters.rows(FIRST_LENGTH, LEVELS - 1).mean().exp();
-        let weight = (CLICK_SD_PER_STEP * step_mm).powi(-2);
-        let rows = &equations.matrix * &jacobian;
-        let off = &equations.values - &equations.matrix * shape.coordinates();
-        let weighted = rows.transpose() * weight;
-        let normal = &weighted * &rows + &model.precision;
-        let from_mean = &model.mean - &shape.parameters;
-        let right = weighted * off + &model.precision * from_mean;
-        let normal = normal.cholesky().ok_or(failed)?;
-        let mut change = normal.solve(&right);
-        let largest = change.rows(2, PARAMETERS - 2).amax();
-        if !largest.is_finite() {
-            return Err(failed);
-        }
-        if largest > MAX_STEP {
-            change *= MAX_STEP / largest;
-        }
-        shape.parameters += change;
-        if largest < TOLERANCE {
-            return Ok(Fit { shape, normal, iterations });
-        }
-    }
-    Err(CompletionError::NotConverged { iterations: MAX_ITERATIONS })
-}
-
-/// Means of the corners of every vertebra.
-fn centres(shape: &Shape) -> [Frontal; LEVELS] {
-    shape.corners().map(|body| {
-        body.points().into_iter().fold(Frontal::default(), |sum, corner| sum + corner) * 0.25
-    })
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::CompletionError;
 use super::shape::{ANGLES, FIRST_ANGLE, FIRST_LENGTH, LENGTHS, LEVELS, PARAMETERS};
 use crate::anatomy::Posture;
 use crate::spatial::Angle;
@@ -11,15 +12,20 @@ use crate::spatial::Angle;
 /// The table of the shape of erect spines, once a program has provided it.
 static TABLE: OnceLock<&str> = OnceLock::new();
 
+/// Joints, whose rotations are the first angles.
+pub(super) const JOINTS: usize = LEVELS - 1;
+
 /// Standard deviation of the rotation of a joint between the erect film and a bend: half the ranges of lateral bending of
 /// one side and the other, 5° to 10° per joint [white-panjabi-1990], rounded up; traction straightens by no more.
-const BEND_SD: Angle = Angle::from_deg(6.0);
+pub(super) const BEND_SD: Angle = Angle::from_deg(6.0);
 
 /// Shape of spines: a Gaussian of its parameters; place and direction of the film are unknown.
 #[derive(Debug, Clone)]
 pub struct ShapeModel {
     /// Means of the parameters; zero for place and direction.
     pub(super) mean: DVector<f64>,
+    /// Covariance of angles and lengths.
+    pub(super) covariance: DMatrix<f64>,
     /// Inverse of their covariance; zero for place and direction, and for the common scale of all lengths.
     pub(super) precision: DMatrix<f64>,
 }
@@ -38,16 +44,17 @@ pub fn has_shape() -> bool {
     TABLE.get().is_some()
 }
 
-/// The model for films of a posture; the joints of other films than erect ones have more freedom. `None` without a table.
-pub(super) fn model_of(posture: Option<Posture>) -> Option<&'static ShapeModel> {
+/// The model for films of a posture; the joints of other films than erect ones have more freedom.
+pub(super) fn model_of(posture: Option<Posture>) -> Result<&'static ShapeModel, CompletionError> {
     static ERECT: OnceLock<Option<ShapeModel>> = OnceLock::new();
     static OTHER: OnceLock<Option<ShapeModel>> = OnceLock::new();
-    let table = TABLE.get()?;
+    let table = TABLE.get().ok_or(CompletionError::NoShape)?;
     let (model, bend_sd) = match posture {
         Some(Posture::Erect) => (&ERECT, Angle::ZERO),
         _ => (&OTHER, BEND_SD),
     };
-    model.get_or_init(|| ShapeModel::of_table(table, bend_sd)).as_ref()
+    let model = model.get_or_init(|| ShapeModel::of_table(table, bend_sd));
+    model.as_ref().ok_or(CompletionError::NoShape)
 }
 
 impl ShapeModel {
@@ -74,16 +81,20 @@ impl ShapeModel {
             mean[FIRST_ANGLE + parameter] = row[0];
         }
         let mut angles = symmetric(&rows[..ANGLES]);
-        for joint in 0..LEVELS - 1 {
+        for joint in 0..JOINTS {
             angles[(joint, joint)] += bend_sd.rad().powi(2);
         }
+        let lengths = symmetric(&rows[ANGLES..]);
+        let mut covariance = DMatrix::zeros(rows.len(), rows.len());
+        covariance.view_mut((0, 0), angles.shape()).copy_from(&angles);
+        covariance.view_mut((ANGLES, ANGLES), lengths.shape()).copy_from(&lengths);
         let inverse = |covariance: DMatrix<f64>| Some(covariance.cholesky()?.inverse());
-        let lengths = without_scale(inverse(symmetric(&rows[ANGLES..]))?);
+        let lengths = without_scale(inverse(lengths)?);
         let mut precision = DMatrix::zeros(PARAMETERS, PARAMETERS);
         for (first, block) in [(FIRST_ANGLE, inverse(angles)?), (FIRST_LENGTH, lengths)] {
             precision.view_mut((first, first), block.shape()).copy_from(&block);
         }
-        Some(Self { mean, precision })
+        Some(Self { mean, covariance, precision })
     }
 }
 

@@ -1,5 +1,7 @@
 //! Derivatives against differences, and rules for any completion.
 
+use super::fit::centres;
+use super::shape::{FIRST_LENGTH, LENGTHS, PARAMETERS, Shape};
 use super::*;
 use crate::anatomy::{ImageSide, Side};
 use crate::measure::CornerName;
