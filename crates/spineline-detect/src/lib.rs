@@ -65,6 +65,17 @@ pub struct DetectedVertebra {
     pub confidence: f64,
     /// Whether it was seen; else it was interpolated.
     pub is_seen: bool,
+    /// Probabilities of its levels by itself, from L5 to T1.
+    pub votes: [f64; Level::ALL.len()],
+}
+
+/// The body of a vertebra in the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenBody {
+    /// Its corners.
+    pub corners: Corners<Pixel>,
+    /// Standard deviation of a coordinate of a corner, as a part of the height of the body.
+    pub sd_share: f64,
 }
 
 /// The vertebrae of a film.
@@ -143,39 +154,53 @@ pub fn detect(picture: &Picture<'_>) -> Result<Detection, Refusal> {
     Ok(Detection { vertebrae, doubts })
 }
 
-/// The corners of the vertebrae, by the second network.
+/// The vertebrae of a chain with the corners that the second network places.
 fn placed(picture: &Picture<'_>, coarse: &grid::Coarse, chain: &Chain) -> Vec<DetectedVertebra> {
-    let fine = Grid::reduced(picture, FINE);
-    let per_pixel = |grid: &Grid| {
-        [grid.columns as f64 / picture.columns as f64, grid.rows as f64 / picture.rows as f64]
+    let centre = |peak: &chain::Peak| {
+        let [column, row] =
+            [0, 1].map(|axis| (peak.centre[axis] - coarse.corner[axis]) / coarse.scale[axis]);
+        Pixel::new(column - 0.5, row - 0.5)
     };
-    let (fine_scale, coarse_scale) = (per_pixel(&fine), coarse.scale);
-    let centres: Vec<[f64; 2]> = chain
-        .peaks
-        .iter()
-        .map(|peak| {
-            [0, 1].map(|axis| {
-                (peak.centre[axis] - coarse.corner[axis]) / coarse_scale[axis] * fine_scale[axis]
-            })
-        })
-        .collect();
-    let placed = patches::corners(&fine, &centres);
-    let bodies = chain.peaks.iter().zip(placed).zip(chain.first_level..);
+    let centres: Vec<Pixel> = chain.peaks.iter().map(centre).collect();
+    let bodies = chain.peaks.iter().zip(bodies_at(picture, &centres)).zip(chain.first_level..);
     bodies
-        .map(|((peak, body), level)| {
-            // The centre of the first pixel is at zero.
-            let seen = body.corners.map(|place| {
-                Pixel::new(place[0] / fine_scale[0] - 0.5, place[1] / fine_scale[1] - 0.5)
-            });
-            let sd_share = body.sd / body.height();
+        .map(|((peak, SeenBody { corners, sd_share }), level)| {
             let doubt = (sd_share / CONFIDENCE_SD_SHARE).powi(2);
             DetectedVertebra {
                 level: Level::ALL[Level::ALL.len() - 1 - level],
-                corners: patients(seen, picture.patient_left),
+                corners,
                 sd_share,
                 confidence: peak.probability * (-doubt).exp(),
                 is_seen: peak.is_seen,
+                votes: std::array::from_fn(|vote| peak.levels[chain::LEVELS - 1 - vote]),
             }
+        })
+        .collect()
+}
+
+/// The corners of neighbouring vertebrae with these centres, cranial first, as the second network sees them; empty for fewer than
+/// two centres.
+///
+/// # Panics
+/// If the values of the picture do not fill it.
+#[must_use]
+pub fn bodies_at(picture: &Picture<'_>, centres: &[Pixel]) -> Vec<SeenBody> {
+    if centres.len() < 2 {
+        return Vec::new();
+    }
+    let fine = Grid::reduced(picture, FINE);
+    let scale =
+        [fine.columns as f64 / picture.columns as f64, fine.rows as f64 / picture.rows as f64];
+    // The centre of the first pixel is at zero.
+    let cell =
+        |centre: &Pixel| [(centre.column_px + 0.5) * scale[0], (centre.row_px + 0.5) * scale[1]];
+    let centres: Vec<[f64; 2]> = centres.iter().map(cell).collect();
+    let pixel = |place: [f64; 2]| Pixel::new(place[0] / scale[0] - 0.5, place[1] / scale[1] - 0.5);
+    let bodies = patches::corners(&fine, &centres).into_iter();
+    bodies
+        .map(|body| SeenBody {
+            corners: patients(body.corners.map(pixel), picture.patient_left),
+            sd_share: body.sd / body.height(),
         })
         .collect()
 }
