@@ -1,8 +1,14 @@
 //! The embedded pages.
 
-use axum::http::{StatusCode, Uri, header};
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use axum::http::{HeaderMap, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
+use flate2::Compression;
 use rust_embed::RustEmbed;
+
+use crate::gzip::Gzipped;
 
 #[derive(RustEmbed)]
 #[folder = "$OUT_DIR/web"]
@@ -21,14 +27,22 @@ pub fn licences_of_app() -> String {
     file.map_or_else(String::new, |file| String::from_utf8_lossy(&file.data).into_owned())
 }
 
+/// The files by name, compressed at the first request.
+static PACKED: LazyLock<BTreeMap<String, Gzipped>> = LazyLock::new(|| {
+    let pages = Pages::iter().filter_map(|name| Some((name.to_string(), Pages::get(&name)?.data)));
+    pages.map(|(name, data)| (name, Gzipped::new(&data, Compression::best()))).collect()
+});
+
 /// A file of the app; the app itself at `/`.
-pub async fn serve(uri: Uri) -> Response {
+pub async fn serve(uri: Uri, asked: HeaderMap) -> Response {
     let path = uri.path().trim_start_matches('/');
     let path = if path.is_empty() { "index.html" } else { path };
-    let Some(page) = Pages::get(path) else { return StatusCode::NOT_FOUND.into_response() };
+    let (Some(page), Some(packed)) = (Pages::get(path), PACKED.get(path)) else {
+        return StatusCode::NOT_FOUND.into_response();
+    };
     // Names of built files contain a hash of their content, except for the page itself.
     let keep = if path.starts_with("assets/") { "max-age=31536000, immutable" } else { "no-cache" };
     let kind = page.metadata.mimetype().to_owned();
-    ([(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, keep.to_owned())], page.data)
-        .into_response()
+    let headers = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, keep.to_owned())];
+    (headers, packed.answer(&asked)).into_response()
 }

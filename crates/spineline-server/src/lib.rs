@@ -22,6 +22,7 @@ mod grants;
 mod guard;
 mod guard_rate;
 mod guard_token;
+mod gzip;
 mod hosts;
 mod jobs;
 mod limits;

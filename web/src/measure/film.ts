@@ -24,15 +24,25 @@ export function imageOf(film: Api<"FilmSummary">): Api<"ReadingImage"> {
   return { columns, rows, pixel_aspect, is_lateral, patient_left, plane, spacing_text, inverted };
 }
 
-/** The last films stay in memory, so that they need no second download. */
-const KEPT_FILMS = 3;
+/** The last films stay in memory, so that they need no second download: six films of 60 million pixels. */
+const KEPT_BYTES = 1e9;
 const kept = new Map<string, FilmPicture>();
+
+/** With its smaller sizes, a third more. */
+const bytesOf = ({ columns, rows }: FilmPicture): number => (8 / 3) * columns * rows;
+
+export interface FilmProgress {
+  /** The picture has another size to draw. */
+  grown: () => void;
+  /** Part of the picture that has arrived, from 0 to 1. */
+  arrived?: (part: number) => void;
+}
 
 /** Loads a picture or returns the one in memory. Its smaller sizes are built while it is shown. */
 export async function loadFilm(
   address: string,
   signal: AbortSignal,
-  grown: () => void,
+  { grown, arrived }: FilmProgress,
 ): Promise<FilmPicture> {
   const found = kept.get(address);
   if (found) {
@@ -41,33 +51,58 @@ export async function loadFilm(
     return found;
   }
   const response = await askBytes(address, signal);
-  const picture = pictureOf(response.headers, await response.arrayBuffer());
+  const picture = pictureOf(response.headers, await received(response, arrived));
   void inSlices(picture.pyramid.build(), signal).then(() => {
     if (signal.aborted) return;
     kept.set(address, picture);
-    for (const oldest of kept.keys()) {
-      if (kept.size <= KEPT_FILMS) break;
+    let bytes = [...kept.values()].reduce((sum, one) => sum + bytesOf(one), 0);
+    for (const [oldest, film] of kept) {
+      if (bytes <= KEPT_BYTES || film === picture) break;
       kept.delete(oldest);
+      bytes -= bytesOf(film);
     }
     grown();
   });
   return picture;
 }
 
-export function pictureOf(headers: Headers, bytes: ArrayBuffer): FilmPicture {
-  const number = (name: string): number => {
-    const value = Number(headers.get(`x-spineline-${name}`) ?? Number.NaN);
-    if (!Number.isFinite(value))
-      throw new Error(`the response with the picture lacks ${name}; reload the page`);
-    return value;
-  };
-  const [columns, rows] = [number("columns"), number("rows")];
-  if (columns < 1 || rows < 1 || bytes.byteLength !== 2 * columns * rows) {
+function numberIn(headers: Headers, name: string): number {
+  const value = Number(headers.get(`x-spineline-${name}`) ?? Number.NaN);
+  if (!Number.isFinite(value))
+    throw new Error(`the response with the picture lacks ${name}; reload the page`);
+  return value;
+}
+
+/** Bytes of a picture: one for each pixel where its values need no more, else two. */
+const sizeOf = (headers: Headers): number =>
+  (numberIn(headers, "max") > 255 ? 2 : 1) *
+  numberIn(headers, "columns") *
+  numberIn(headers, "rows");
+
+/** The bytes of a picture, as they arrive. */
+async function received(response: Response, arrived?: (part: number) => void): Promise<Uint8Array> {
+  const bytes = new Uint8Array(sizeOf(response.headers));
+  let length = 0;
+  const reader = response.body?.getReader();
+  for (;;) {
+    const { value } = (await reader?.read()) ?? {};
+    if (!value) return bytes.subarray(0, length);
+    if (length + value.length > bytes.length) throw new Error("the picture has too many bytes");
+    bytes.set(value, length);
+    length += value.length;
+    arrived?.(length / bytes.length);
+  }
+}
+
+export function pictureOf(headers: Headers, bytes: Uint8Array): FilmPicture {
+  const number = (name: string): number => numberIn(headers, name);
+  const [columns, rows, size] = [number("columns"), number("rows"), sizeOf(headers)];
+  if (columns < 1 || rows < 1 || bytes.length !== size) {
     throw new Error(
-      `the picture of ${columns} × ${rows} pixels has ${bytes.byteLength} bytes instead of ${2 * columns * rows}; reload the page`,
+      `the picture of ${columns} × ${rows} pixels has ${bytes.length} bytes instead of ${size}; reload the page`,
     );
   }
-  const values = new Uint16Array(bytes);
+  const values = size > columns * rows ? new Uint16Array(bytes.buffer) : Uint16Array.from(bytes);
   // A value above the stated maximum would lack a grey level.
   const max = Math.min(65_535, Math.max(1, number("max"), greatest(values)));
   const window = { centre: number("window-center"), width: number("window-width") };

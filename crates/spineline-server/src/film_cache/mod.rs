@@ -5,13 +5,14 @@ mod uploads;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use axum::body::Bytes;
 use axum::http::StatusCode;
+use flate2::Compression;
 use spineline_films::{FilmFile, FilmKind};
 use spineline_marking::judge_spacing;
 use spineline_store::{Hash, Thumbnails};
 use tokio::sync::{Semaphore, SemaphorePermit};
 
+use crate::gzip::Gzipped;
 use crate::limits::UploadLimits;
 use crate::problem::{Answer, Failure};
 use crate::words;
@@ -20,6 +21,8 @@ pub use uploads::{Reservation, Upload, Uploads};
 
 /// Room for decoded films.
 const ROOM_BYTES: usize = 300 << 20;
+/// Largest value of a film that is sent with one byte per pixel.
+const BYTE_MAX: u16 = u8::MAX as u16;
 /// Films that are decoded concurrently; each may take a few hundred megabytes.
 const AT_A_TIME: usize = 2;
 /// Height of a thumbnail.
@@ -28,8 +31,8 @@ const THUMBNAIL_ROWS: u32 = 220;
 /// A decoded film in the form for the browser.
 #[derive(Debug)]
 pub struct Screen {
-    /// 16-bit little-endian words, row by row.
-    pub bytes: Bytes,
+    /// Values row by row: bytes where the maximum is 255 or less, else 16-bit little-endian words.
+    pub packed: Gzipped,
     pub columns: u32,
     pub rows: u32,
     /// Centre and width in these values.
@@ -51,9 +54,12 @@ impl Screen {
     /// The film as the browser draws it.
     pub fn of(film: &FilmFile) -> Self {
         let values = film.screen_values();
+        let max = values.max();
+        let bytes = values.to_le_bytes();
+        let bytes = if max > BYTE_MAX { bytes } else { bytes.into_iter().step_by(2).collect() };
         Self {
-            max: values.max(),
-            bytes: values.to_le_bytes().into(),
+            max,
+            packed: Gzipped::new(&bytes, Compression::fast()),
             columns: values.columns,
             rows: values.rows,
             default_window: values.default_window,
@@ -62,6 +68,17 @@ impl Screen {
                 FilmKind::Png | FilmKind::Jpeg | FilmKind::Tiff => Vec::new(),
             },
         }
+    }
+}
+
+impl Screen {
+    /// The values row by row.
+    pub fn values(&self) -> Vec<u16> {
+        let bytes = self.packed.unpacked();
+        if self.max <= BYTE_MAX {
+            return bytes.into_iter().map(u16::from).collect();
+        }
+        bytes.chunks_exact(2).map(|word| u16::from_le_bytes([word[0], word[1]])).collect()
     }
 }
 
@@ -113,7 +130,7 @@ impl FilmCache {
             screens.push_back((content.clone(), screen));
         }
         let room = |screens: &Screens| -> usize {
-            screens.iter().map(|(_, screen)| screen.bytes.len()).sum()
+            screens.iter().map(|(_, screen)| screen.packed.len()).sum()
         };
         while screens.len() > 1 && room(screens) > ROOM_BYTES {
             screens.pop_front();

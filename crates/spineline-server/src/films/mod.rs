@@ -6,8 +6,8 @@ mod uploads;
 pub use uploads::stage;
 
 use axum::extract::State;
-use axum::http::{HeaderValue, StatusCode};
-use axum::response::{IntoResponse, Response};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::response::Response;
 use spineline::measure::{ImageGeometry, Spacing};
 use spineline::spatial::Pixel;
 use spineline_marking::Calibration;
@@ -35,16 +35,18 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(uploads::routes())
 }
 
-/// Pixels of a film: 16-bit little-endian words by rows; larger values are brighter.
+/// Pixels of a film by rows: bytes where `x-spineline-max` is 255 or less, else 16-bit little-endian words; larger values are
+/// brighter.
 #[utoipa::path(get, path = "/api/films/{film}/pixels", params(("film" = i64, Path)),
     responses((status = 200, content_type = "application/octet-stream"), Problem))]
 async fn film_pixels(
     State(state): State<AppState>,
     user: User,
     Path(film): Path<i64>,
+    asked: HeaderMap,
 ) -> Answer<Response> {
     let film = state.ask(move |store| seen_film(store, &user, FilmId(film))).await?;
-    pixels(&state, &film).await
+    pixels(&state, &film, &asked).await
 }
 
 /// Pixels of the film of a reading, in the same format.
@@ -54,9 +56,10 @@ async fn reading_pixels(
     State(state): State<AppState>,
     user: User,
     Path(reading): Path<i64>,
+    asked: HeaderMap,
 ) -> Answer<Response> {
     let seen = state.ask(move |store| seen_reading(store, &user, ReadingId(reading))).await?;
-    pixels(&state, &seen.film).await
+    pixels(&state, &seen.film, &asked).await
 }
 
 /// A thumbnail of a film.
@@ -149,7 +152,7 @@ fn sized(image: &ImageGeometry, spacing: Spacing, help: &str) -> Answer<FilmEdit
     Ok(FilmEdit::Spacing(spacing))
 }
 
-async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
+async fn pixels(state: &AppState, film: &FilmRecord, asked: &HeaderMap) -> Answer<Response> {
     let screen = decoded::screen(state, &film.content).await?;
     let image = film.geometry()?;
     let [center, width] = screen.default_window;
@@ -164,7 +167,7 @@ async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
         ("x-spineline-max", screen.max.to_string()),
         ("x-spineline-file-windows", of_file.join(", ")),
     ];
-    let mut response = screen.bytes.clone().into_response();
+    let mut response = screen.packed.answer(asked);
     let headers = response.headers_mut();
     for (name, number) in numbers {
         headers.insert(name, HeaderValue::from_str(&number).expect("digits"));

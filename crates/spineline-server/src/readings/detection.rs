@@ -50,11 +50,9 @@ fn in_picture(screen: &Screen, image: &ImageGeometry) -> Result<Detection, Refus
     let [centre, width] = screen.default_window;
     let low = centre - width / 2.0;
     // The networks were trained on pictures as people see them.
-    let grey = |word: &[u8]| {
-        let value = f64::from(u16::from_le_bytes([word[0], word[1]]));
-        ((value - low) / width * 255.0).clamp(0.0, 255.0) as f32
-    };
-    let values: Vec<f32> = screen.bytes.chunks_exact(2).map(grey).collect();
+    let grey =
+        |value: u16| ((f64::from(value) - low) / width * 255.0).clamp(0.0, 255.0) as f32;
+    let values: Vec<f32> = screen.values().into_iter().map(grey).collect();
     detect(&Picture {
         columns: screen.columns as usize,
         rows: screen.rows as usize,
