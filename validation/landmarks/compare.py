@@ -119,6 +119,36 @@ def judge_completion(options, films, text):
         )
 
 
+def judge_repeats(options, films):
+    """Completion of a film from five vertebrae with two clicks each, without and with another film of the patient as the erect one."""
+    pairs = [(a, b) for a in films for b in films if a is not b and a.patient == b.patient]
+    random = np.random.default_rng(SEED)
+
+    def clicks(film, marked):
+        sd = CLICK_MM * per_mm(film.corners)
+        exact = [one for one in clicks_of(film.corners, marked[0]) if one[0] in marked[1]]
+        return [(LEVELS[k], mark, *(place * [1, -1] + sd * random.standard_normal(2))) for k, mark, place in exact]
+
+    asked = [LEVELS.index(level) for level in ("L4", "L1", "T9", "T5", "T2")]
+    own = [clicks(film, ("walls", asked)) for _, film in pairs]
+    erect = [clicks(film, ("corners", range(1, 16))) for film, _ in pairs]
+    print(f"\nRepeated films: {len(pairs)} pairs of {len({film.patient for film, _ in pairs})} test patients, 10 clicks with {CLICK_MM} mm\n")
+    print("| prior | corner, median (% of height) | 90 % | within a tenth (%) | tilt, mean absolute (°) |")
+    print("|---|---|---|---|---|")
+    hidden = [k for k in range(1, 16) if k not in asked]
+    for name, priors in (("other patients", [None] * len(pairs)), ("the patient's other film", erect)):
+        wanted = [{"columns": 4000, "rows": 8000, "clicks": a, "erect": b, "is_bend": True} for a, b in zip(own, priors)]
+        done = subprocess.run([options.complete], input=json.dumps({"films": wanted}), capture_output=True, text=True, check=True)
+        corner, tilt = [], []
+        for (_, film), found in zip(pairs, json.loads(done.stdout)):
+            places = np.array([found[level]["corners"] for level in LEVELS]) * [1, -1]
+            of_film = errors(places, film.corners)
+            corner.append(of_film[0][hidden].ravel())
+            tilt.append(np.abs(of_film[1][hidden]))
+        corner, tilt = np.concatenate(corner), np.concatenate(tilt)
+        print(f"| {name} | {np.median(corner):.1f} | {np.quantile(corner, 0.9):.1f} | {100 * np.mean(corner < 10):.0f} | {tilt.mean():.1f} |")
+
+
 def judge_detection(options, films):
     """Corner errors, Cobb errors and level slips of `spineline detect` by severity."""
     paths = [str(options.data / "images_training" / film.name) for film in films]
@@ -183,6 +213,7 @@ def main():
     test = [film for film in films if part_of(film.name) == "test"]
     text = "\n".join(shape.table([film for film in films if part_of(film.name) == "train"]))
     judge_completion(options, test, text)
+    judge_repeats(options, test)
     judge_detection(options, test)
 
 

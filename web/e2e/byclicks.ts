@@ -46,7 +46,11 @@ export async function markFilm(
 ): Promise<Map<string, FilmPoint>> {
   const clicks = new Map<string, FilmPoint>();
   await film.lookAt(cornerOf(truth, "L4", "superior_left"), SCALE);
-  for (const level of LEVELS) {
+  // A bend begins with two clicks per vertebra.
+  const twoClicks = film.page.getByRole("button", { name: /two clicks/i });
+  if ((await twoClicks.getAttribute("aria-pressed")) === "true") await twoClicks.click();
+  const { order } = await film.reading();
+  for (const level of order.filter((name) => LEVELS.some((one) => one === name))) {
     await expect(film.target).toContainText(level);
     for (const corner of CORNERS) {
       await before(clicks.size);

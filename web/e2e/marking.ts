@@ -34,7 +34,7 @@ export class FilmPage {
   }
 
   get viewer() {
-    return this.page.getByTestId("viewer");
+    return this.page.getByTestId("viewer").first();
   }
 
   get target() {
@@ -49,15 +49,18 @@ export class FilmPage {
   async painted(): Promise<void> {
     // The middle is enough: reading a whole canvas back takes half a second.
     const isDrawn = (): Promise<boolean> =>
-      this.page.getByTestId("film").evaluate((element) => {
-        const canvas = element as HTMLCanvasElement;
-        const side = 160;
-        const [left, top] = [(canvas.width - side) / 2, (canvas.height - side) / 2];
-        const { data } = canvas.getContext("2d")!.getImageData(left, top, side, side);
-        const greys = new Set<number>();
-        for (let i = 0; i < data.length; i += 4) greys.add(data[i]!);
-        return greys.size > 32;
-      });
+      this.page
+        .getByTestId("film")
+        .first()
+        .evaluate((element) => {
+          const canvas = element as HTMLCanvasElement;
+          const side = 160;
+          const [left, top] = [(canvas.width - side) / 2, (canvas.height - side) / 2];
+          const { data } = canvas.getContext("2d")!.getImageData(left, top, side, side);
+          const greys = new Set<number>();
+          for (let i = 0; i < data.length; i += 4) greys.add(data[i]!);
+          return greys.size > 32;
+        });
     await expect.poll(isDrawn, { timeout: 60_000, intervals: [50, 100] }).toBe(true);
   }
 

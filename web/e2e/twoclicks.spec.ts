@@ -1,5 +1,6 @@
 import type { Api } from "../src/api/types";
 import { expect, shot, test } from "./app";
+import { truthOf } from "./byclicks";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest, wallOf } from "./marking";
 
 test.use({ hasDemo: true });
@@ -86,4 +87,33 @@ test("vertebrae are proposed on request and accepted one by one", async ({ app, 
     "aria-pressed",
     "false",
   );
+});
+
+test("ten clicks on a bend and one key complete it from the erect film", async ({ app, page }) => {
+  await app.openDemo(page);
+  const link = page
+    .getByRole("navigation", { name: "Films" })
+    .getByRole("link", { name: /left bending/i });
+  await link.click();
+  const film = new FilmPage(page);
+  await film.begin();
+  const truth = await truthOf(film);
+  for (const level of ["L4", "L1", "T9", "T5", "T2"]) {
+    for (const side of ["left", "right"] as const) {
+      await expect(film.target).toContainText(level);
+      await expect(film.target).toContainText(`patient’s ${side}`);
+      await film.click(wallOf(truth, level, side));
+    }
+  }
+  await film.saved();
+  await shot(page, "measure-bend-ten-clicks");
+  const accept = page.getByRole("button", { name: /^Accept 15 vertebrae/ });
+  await expect(accept).toBeVisible();
+  await page.keyboard.press("Enter");
+  await expect(accept).toHaveCount(0);
+  await film.saved();
+  const accepted = await film.reading();
+  expect(accepted.vertebrae.filter(({ complete }) => complete)).toHaveLength(LEVELS.length);
+  expect(farthest(accepted, truth)).toBeLessThan(0.4 * height(truth));
+  await expect(page.getByTitle("Width against the erect film")).toHaveCount(LEVELS.length);
 });

@@ -1,7 +1,7 @@
 //! Completes corners of films from clicks: JSON in, JSON out. `validation/landmarks` judges the output.
 //!
-//! In: `{"table": "text of a shape table, or null", "films": [{"columns", "rows", "clicks": [[level, mark, column, row], …]}, …]}`;
-//! marks are corners (`superior_left`), `left_wall`, `right_wall`, `superior_endplate`, `inferior_endplate`, `centre`, and `midline` (of any
+//! In: `{"table": "text of a shape table, or null", "films": [{"columns", "rows", "clicks": [[level, mark, column, row], …],
+//! "erect": clicks on the erect film of the same size, or null, "is_bend": true if the joints turned since}, …]}`; marks are corners (`superior_left`), `left_wall`, `right_wall`, `superior_endplate`, `inferior_endplate`, `centre`, and `midline` (of any
 //! level). The patient's left is on the right of the picture. Out, per film: `{level: {"corners": [[column, row] × 4], "sd": px}}`.
 
 use std::collections::BTreeMap;
@@ -25,8 +25,14 @@ struct Request {
 struct Film {
     columns: u32,
     rows: u32,
-    clicks: Vec<(String, String, f64, f64)>,
+    clicks: Vec<JsonClick>,
+    erect: Option<Vec<JsonClick>>,
+    #[serde(default)]
+    is_bend: bool,
 }
+
+/// Level, mark, column and row.
+type JsonClick = (String, String, f64, f64);
 
 fn main() -> io::Result<()> {
     provide_shape(spineline_weights::ERECT_SPINES);
@@ -52,8 +58,27 @@ fn completed(
     let &Film { columns, rows, .. } = film;
     let patient_left = ImageSide::Right;
     let image = ImageGeometry { columns, rows, spacing: None, patient_left };
+    let clicks = clicks_of(&film.clicks)?;
+    let found = match (&film.erect, model) {
+        (Some(erect), _) => {
+            let model = ShapeModel::of_patient(&image, &clicks_of(erect)?, &image).ok()?;
+            complete_by(&model, &image, &clicks)
+        }
+        (None, Some(model)) => complete_by(model, &image, &clicks),
+        (None, None) => complete(&image, (!film.is_bend).then_some(Posture::Erect), &clicks),
+    };
+    let found = found.ok()?;
+    let of = |level: Level| {
+        let corners = found.corners_px(&image, level).points();
+        let corners = corners.map(|corner| [corner.column_px, corner.row_px]);
+        (level.to_string(), serde_json::json!({ "corners": corners, "sd": found.sd_mm(level) }))
+    };
+    Some(Level::ALL.into_iter().map(of).collect())
+}
+
+fn clicks_of(given: &[JsonClick]) -> Option<Clicks> {
     let mut clicks = Clicks::default();
-    for (level, mark, column, row) in &film.clicks {
+    for (level, mark, column, row) in given {
         let place = Pixel::new(*column, *row);
         let mark = match mark.as_str() {
             "midline" => {
@@ -70,15 +95,5 @@ fn completed(
         let level = Level::ALL.into_iter().find(|one| one.name() == level)?;
         clicks.vertebrae.push(Click { level, mark, place });
     }
-    let found = match model {
-        Some(model) => complete_by(model, &image, &clicks),
-        None => complete(&image, Some(Posture::Erect), &clicks),
-    };
-    let found = found.ok()?;
-    let of = |level: Level| {
-        let corners = found.corners_px(&image, level).points();
-        let corners = corners.map(|corner| [corner.column_px, corner.row_px]);
-        (level.to_string(), serde_json::json!({ "corners": corners, "sd": found.sd_mm(level) }))
-    };
-    Some(Level::ALL.into_iter().map(of).collect())
+    Some(clicks)
 }

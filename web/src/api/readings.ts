@@ -20,6 +20,10 @@ export const recordEvents = (reading: number, body: Api<"NewEvent">) =>
 export const detectVertebrae = (reading: number) =>
   answerOf(api.POST("/api/readings/{reading}/detection", of(reading)));
 
+/** The sure proposals that the picture contradicts. */
+export const findMisfits = (reading: number) =>
+  answerOf(api.POST("/api/readings/{reading}/misfits", of(reading)));
+
 /** In a plan the answer lacks the reading: a plan hides the landmarks of finished readings. */
 export const finishReading = (reading: number, body: Api<"Finish">) =>
   answerOf(api.POST("/api/readings/{reading}/finish", { ...of(reading), body }));

@@ -132,7 +132,8 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
   const level = marking.selected && "level" in marking.selected ? marking.selected.level : null;
   const place = (): void => {
     if (viewer.crosshair) targets.placeAt(viewer.crosshair);
-    else if (marking.way === "walls" && marking.acceptable.length > 0) marking.acceptProposals();
+    else if (marking.way === "walls" && marking.acceptable.length > 0)
+      void marking.acceptProposals();
     else viewer.toggleCrosshair(expected(marking));
   };
   const step = (by: 1 | -1) => () => {
@@ -145,7 +146,7 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
     },
     Enter: place,
     " ": () => viewer.crosshair && place(),
-    a: () => marking.acceptProposals(),
+    a: () => void marking.acceptProposals(),
     t: () => marking.toggleWay(),
     p: () => void marking.togglePropose(),
     e: () => marking.toggleWay("pedicles"),

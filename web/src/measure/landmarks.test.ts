@@ -76,6 +76,7 @@ const L4 = {
   level: "L4",
   sd_percent: 9,
   sd_share: null,
+  is_sure: false,
   corners: [
     { corner: "superior_left" as const, px: [10, 10], origin },
     { corner: "superior_right" as const, px: [30, 10], origin },
@@ -106,6 +107,11 @@ it("shows the proposals of vertebrae with both walls, and accepts them as one ch
   const corners = L4.corners.map((corner) => ({ ...corner, origin: "accepted" }));
   expect(accepted.vertebrae[0]!.corners).toEqual(expect.arrayContaining(corners));
   expect(offered(accepted)).toEqual([]);
+  // The erect film and clicks on other vertebrae determine a sure one, in both ways of marking.
+  const sure = { ...L4, is_sure: true };
+  const unmarked = { ...reading(), proposals: [{ ...L4, level: "L3" }, sure] };
+  for (const way of ["walls", "corners"] as const)
+    expect(offered(unmarked, { way, onRequest: false })).toEqual([sure]);
   const move = placing(accepted, { kind: "corner", level: "L4", corner: "superior_left" }, [11, 9]);
   const moved = withEvents(accepted, [move]).vertebrae[0]!.corners;
   expect(moved.map(({ origin: how }) => how).sort()).toEqual([
@@ -119,7 +125,7 @@ it("shows the proposals of vertebrae with both walls, and accepts them as one ch
 
 it("offers the corners of a proposal", () => {
   const corners = [{ corner: "inferior_left" as const, px: [50, 60], origin }];
-  const L3 = { level: "L3", corners, sd_percent: 9, sd_share: null };
+  const L3 = { level: "L3", corners, sd_percent: 9, sd_share: null, is_sure: false };
   const found = proposedAt([L3], VIEW, [52, 60], 10);
   expect(found).toEqual({ kind: "corner", level: "L3", corner: "inferior_left" });
 });
@@ -180,7 +186,12 @@ it("all levels are shifted by one, marked or proposed", () => {
   const levels = (up: boolean): string[] =>
     withEvents(before, [{ kind: "shift_levels", up }]).vertebrae.map(({ level }) => level);
   expect(levels(true)).toEqual(["L3", "L2"]);
-  const found = ["L4", "L2"].map((level) => ({ level, corners: [], sd_percent: 3 }));
+  const found = ["L4", "L2"].map((level) => ({
+    level,
+    corners: [],
+    sd_percent: 3,
+    is_sure: false,
+  }));
   expect(shifted(found, before, true).map(({ level }) => level)).toEqual(["L3"]);
   expect(shifted(found, before, false).map(({ level }) => level)).toEqual(["L3"]);
 });

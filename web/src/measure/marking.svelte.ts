@@ -55,14 +55,14 @@ export class Marking {
   saving = $state.raw<SaveState>({ kind: "saved" });
   selected = $state.raw<Landmark | null>(null);
   /** How this browser marks vertebrae, where proposals are allowed. */
-  #way = $state.raw<proposing.Way>(proposing.lastWay());
+  #way = $state.raw() as proposing.Way;
   /** Whether all proposals are drawn. */
   proposes = $state(false);
   /** Whether the program looks for vertebrae in the picture. */
   detects = $state(false);
-  /** Why the levels of its proposals may be shifted. */
-  doubt = $state.raw<string | null>(null);
-  #found = $state.raw<proposing.Proposal[]>([]);
+  detection = $state.raw(proposing.UNSEEN);
+  /** Sure proposals that the picture contradicts. */
+  misfits = $state.raw<string[]>([]);
   lost = $state.raw<Lost | null>(null);
   trouble = $state.raw<Trouble | null>(null);
   /** Text for screen readers. */
@@ -88,7 +88,7 @@ export class Marking {
   readonly mayMarkPedicles = $derived(this.changeable && !this.#recorded.image.is_lateral);
   readonly #open = $derived(
     this.mayPropose && (this.way === "walls" || this.#pending.length === 0)
-      ? proposing.openProposals(this.reading, this.#found)
+      ? proposing.openProposals(this.reading, this.detection.found)
       : [],
   );
   /** Proposals that one key accepts. */
@@ -116,6 +116,7 @@ export class Marking {
 
   constructor(reading: ReadingView, tab: string) {
     this.#recorded = reading;
+    this.#way = proposing.lastWay(reading);
     this.#blinded = reading.code !== null && reading.code !== undefined;
     this.#tab = tab;
     this.#keeping = reading.mine ? keepingOf(reading, tab) : keepsNothing;
@@ -184,7 +185,9 @@ export class Marking {
       return;
     }
     this.#turning = null;
-    this.#draft = this.#placingAt(landmark, round(to));
+    // Proposals of the recorded reading: the drag itself must not make its proposal vanish.
+    const open = proposing.openProposals(this.#recorded, this.detection.found);
+    this.#draft = proposing.dragged(this.#recorded, this.reading, open, landmark, round(to));
     this.#sendPreview({ events: [...this.#pending, ...this.#draft] });
   }
 
@@ -243,19 +246,22 @@ export class Marking {
       : "no vertebra proposed";
     if (!this.proposes || this.#open.length > 0) return;
     this.detects = true;
-    const { found, doubt, trouble } = await proposing.detected(this.#recorded.reading);
+    this.detection = await proposing.detected(this.#recorded.reading);
     this.detects = false;
-    [this.#found, this.doubt] = [found, doubt];
-    if (trouble) this.trouble = trouble;
+    this.trouble = this.detection.trouble ?? this.trouble;
   }
 
-  /** Accepts the proposals of the vertebrae that the reader has looked at, as one change. */
-  acceptProposals(): void {
-    const proposals = this.acceptable;
+  /** Accepts the proposals that one key accepts and the picture does not contradict, as one change. */
+  async acceptProposals(): Promise<void> {
+    const [proposals, { revision }] = [this.acceptable, this];
     // A place that is being sent moves them.
     if (proposals.length === 0 || this.#pending.length > 0) return;
-    this.#record([proposing.accepting(proposals)]);
-    this.said = `${proposals.map(({ level }) => level).join(", ")} accepted as proposed`;
+    const misfits = await proposing.misfits(this.#recorded.reading, proposals);
+    if (this.#pending.length > 0 || this.revision !== revision) return;
+    const fitting = proposals.filter(({ level }) => !misfits.includes(level));
+    if (fitting.length > 0) this.#record([proposing.accepting(fitting)]);
+    this.misfits = misfits;
+    this.said = `${fitting.map(({ level }) => level).join(", ")} accepted as proposed`;
   }
 
   /** Marks by walls in place of corners, or pedicles; or back. */
@@ -283,7 +289,8 @@ export class Marking {
   /** Names every vertebra, marked or found in the picture, one level up or down. */
   shiftLevels(up: boolean): void {
     if (!this.changeable) return;
-    this.#found = proposing.shifted(this.#found, this.#recorded, up);
+    const found = proposing.shifted(this.detection.found, this.#recorded, up);
+    this.detection = { ...this.detection, found };
     [this.#chosen, this.selected] = [null, null];
     if (this.reading.vertebrae.length > 0) this.#record([{ kind: "shift_levels", up }]);
     this.said = `all levels one ${up ? "up" : "down"}`;
@@ -394,7 +401,7 @@ export class Marking {
 
   #record(events: Event[]): void {
     if (!this.changeable) return;
-    this.trouble = null;
+    [this.trouble, this.misfits] = [null, []];
     this.#outbox.push(events);
   }
 
@@ -468,21 +475,6 @@ export class Marking {
   #moved(landmark: Landmark, by: FilmPoint): Event | null {
     const place = placeOf(this.reading, landmark);
     return place && placing(this.reading, landmark, round([place[0] + by[0], place[1] + by[1]]));
-  }
-
-  /** A dragged corner of a proposal accepts the other three corners too. */
-  #placingAt(landmark: Landmark, at: FilmPoint): Event[] {
-    // Proposals of the recorded reading: the drag itself must not make its proposal vanish.
-    const open = proposing.openProposals(this.#recorded, this.#found);
-    const proposal = "level" in landmark && open.find(({ level }) => level === landmark.level);
-    const isPlaced = this.#recorded.vertebrae.some(
-      (one) => "level" in landmark && one.level === landmark.level && one.corners.length > 0,
-    );
-    if (landmark.kind !== "corner" || !proposal || isPlaced) {
-      return [placing(this.reading, landmark, at)];
-    }
-    const accepted = proposing.accepting([proposal]);
-    return [accepted, placing(withEvents(this.#recorded, [accepted]), landmark, at)];
   }
 
   /** First the refused events of this window, then the events of other windows. */

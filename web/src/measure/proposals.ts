@@ -1,8 +1,17 @@
-import { detectVertebrae } from "../api/readings";
+import { detectVertebrae, findMisfits } from "../api/readings";
 import type { Api } from "../api/types";
 import { lasting } from "../shell/storage.svelte";
-import { levelBeside, type Corner, type Event, type Landmark, type ReadingView } from "./landmarks";
+import {
+  levelBeside,
+  placing,
+  withEvents,
+  type Corner,
+  type Event,
+  type Landmark,
+  type ReadingView,
+} from "./landmarks";
 import type { Trouble } from "./lost";
+import type { Message } from "./messages";
 import { filmPoint, type FilmPoint } from "./viewport";
 
 export type Proposal = Api<"Proposal">;
@@ -18,8 +27,11 @@ export const WAY_WORDS: Record<Way, string> = {
 
 const WAY = "spineline.marking-way";
 
-/** The last way in this browser. */
-export const lastWay = (): Way => (lasting.get(WAY) === "walls" ? "walls" : "corners");
+/** The last way in this browser; at first two clicks where the erect film completes the vertebrae. */
+export function lastWay({ erect }: ReadingView): Way {
+  const last = lasting.get(WAY);
+  return last === "walls" || (last === null && erect != null) ? "walls" : "corners";
+}
 
 export function keepWay(way: Way): void {
   if (way !== "pedicles") lasting.set(WAY, way);
@@ -55,8 +67,8 @@ export function openProposals(reading: ReadingView, found: readonly Proposal[]):
 }
 
 /**
- * The proposals that one key accepts: of all vertebrae whose walls the reader has marked, else only of the next
- * vertebra. Without its walls a vertebra is proposed for two clicks only on request.
+ * The proposals that one key accepts: the sure ones and those of all vertebrae whose walls the reader has marked, else only of
+ * the next vertebra. Without its walls a vertebra is proposed for two clicks only on request.
  */
 export function acceptable(
   reading: ReadingView,
@@ -64,13 +76,11 @@ export function acceptable(
   target: Landmark | null,
   { way, onRequest }: { way: Way; onRequest: boolean },
 ): Proposal[] {
-  if (way === "walls") {
-    const walled = open.filter(({ level }) => {
-      const walls = reading.vertebrae.find((one) => one.level === level)?.walls;
-      return walls?.left_px != null && walls.right_px != null;
-    });
-    if (walled.length > 0 || !onRequest) return walled;
-  }
+  const ready = open.filter(({ level, is_sure }) => {
+    const walls = reading.vertebrae.find((one) => one.level === level)?.walls;
+    return is_sure || (way === "walls" && walls?.left_px != null && walls.right_px != null);
+  });
+  if (ready.length > 0 || (way === "walls" && !onRequest)) return ready;
   return open.filter(({ level }) => target && "level" in target && target.level === level);
 }
 
@@ -97,16 +107,65 @@ export function accepting(proposals: readonly Proposal[]): Event {
   return { kind: "accept_corners", vertebrae };
 }
 
-/** The vertebrae that the program finds in the picture, with its doubts. */
-export async function detected(
-  reading: number,
-): Promise<{ found: Proposal[]; doubt: string | null; trouble: Trouble | null }> {
+/** A landmark dragged to a place: a corner of a proposal accepts its other three corners too. */
+export function dragged(
+  recorded: ReadingView,
+  drawn: ReadingView,
+  open: readonly Proposal[],
+  landmark: Landmark,
+  at: FilmPoint,
+): Event[] {
+  const proposal = "level" in landmark && open.find(({ level }) => level === landmark.level);
+  if (landmark.kind !== "corner" || !proposal) return [placing(drawn, landmark, at)];
+  const accepted = accepting([proposal]);
+  return [accepted, placing(withEvents(recorded, [accepted]), landmark, at)];
+}
+
+/** Vertebrae in the picture, with the program's doubts about their levels, or how they were matched to the erect film. */
+export interface Detected {
+  readonly found: readonly Proposal[];
+  readonly doubt: string | null;
+  readonly matched: string | null;
+  readonly trouble: Trouble | null;
+}
+
+export const UNSEEN: Detected = { found: [], doubt: null, matched: null, trouble: null };
+
+/** The vertebrae that the program finds in the picture. */
+export async function detected(reading: number): Promise<Detected> {
   const what = "No vertebrae found in the picture";
   try {
-    const { proposals, refused, doubt } = await detectVertebrae(reading);
-    const trouble = refused ? { what, error: refused } : null;
-    return { found: proposals, doubt: doubt ?? null, trouble };
+    const { proposals, refused, doubt = null, matched = null } = await detectVertebrae(reading);
+    return { found: proposals, doubt, matched, trouble: refused ? { what, error: refused } : null };
   } catch (error) {
-    return { found: [], doubt: null, trouble: { what, error } };
+    return { ...UNSEEN, trouble: { what, error } };
   }
+}
+
+/** The sure proposals that the picture contradicts; without an answer their stated deviation counts. */
+export async function misfits(reading: number, proposals: readonly Proposal[]): Promise<string[]> {
+  if (!proposals.some(({ is_sure }) => is_sure)) return [];
+  return findMisfits(reading).then(
+    ({ levels }) => levels,
+    () => [],
+  );
+}
+
+/** Messages on proposals, while they are drawn. */
+export function aboutProposals(
+  { doubt, matched }: Detected,
+  proposes: boolean,
+  misfits: readonly string[],
+): Message[] {
+  const text = (severity: Message["severity"], words: string): Message => ({
+    severity,
+    text: words,
+  });
+  return [
+    ...(misfits.length > 0
+      ? [text("warning", `${misfits.join(", ")}: the picture has other edges; click the walls`)]
+      : []),
+    ...(proposes && doubt ? [text("warning", `Check the levels of the proposals: ${doubt}`)] : []),
+    ...(proposes && matched ? [text("note", `Levels: ${matched}`)] : []),
+  ];
 }

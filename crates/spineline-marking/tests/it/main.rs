@@ -2,6 +2,7 @@
 
 #![allow(clippy::float_cmp, reason = "tests compare with exact values")]
 
+mod bends;
 mod drawn_lines;
 mod film_evidence;
 mod reading;

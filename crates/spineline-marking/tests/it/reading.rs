@@ -44,7 +44,7 @@ fn proposals_are_near_the_true_corners_on_every_film() {
             for count in 1..Level::MODEL.len() {
                 let reading = marked(&film.vertebrae, &Level::MODEL[..count]);
                 let next = Level::MODEL[count];
-                let proposals = reading.propose(&film.image, Some(film.posture));
+                let proposals = reading.propose(&film.image, Some(film.posture), None);
                 let proposal = proposals.first().expect("a proposal");
                 assert_eq!(proposal.level, next);
                 let truth = midpoint(&film.image, &film.vertebrae[&next]);
@@ -130,7 +130,7 @@ fn a_mirrored_picture_has_mirrored_proposals_and_axes() {
     let levels = &Level::MODEL[..5];
     let here = marked(&film.vertebrae, levels);
     let there = marked(&flipped, levels);
-    let (a, b) = (here.propose(&image, None), there.propose(&mirrored, None));
+    let (a, b) = (here.propose(&image, None, None), there.propose(&mirrored, None, None));
     let (a, b) = (a.first().expect("a proposal"), b.first().expect("a proposal"));
     for (p, q) in a.corners.map(flip).points().into_iter().zip(b.corners.points()) {
         assert!((p.column_px - q.column_px).abs() < 1e-6 && (p.row_px - q.row_px).abs() < 1e-6);
@@ -208,15 +208,19 @@ fn vertebrae_with_swapped_names_are_out_of_order() {
 fn the_crests_follow_the_vertebrae() {
     let film = &phantom(0).films[0];
     let mut reading = PartialReading::default();
+    let order = PartialReading::order(None);
     let first = NextLandmark::Corner(Level::L4, CornerName::SuperiorLeft);
-    assert_eq!(reading.next(), Some(first));
+    assert_eq!(reading.next(&order), Some(first));
     reading = marked(&film.vertebrae, &Level::MODEL);
     let optional = NextLandmark::Corner(Level::T1, CornerName::SuperiorLeft);
-    assert_eq!(reading.next(), Some(optional));
+    assert_eq!(reading.next(&order), Some(optional));
     reading.crests[0] = Some(film.iliac_crests.left);
-    assert!(matches!(reading.next(), Some(NextLandmark::Crest(_))), "T1 is skipped after a crest");
+    assert!(
+        matches!(reading.next(&order), Some(NextLandmark::Crest(_))),
+        "T1 is skipped after a crest"
+    );
     reading.crests[1] = Some(film.iliac_crests.right);
-    assert_eq!(reading.next(), None);
+    assert_eq!(reading.next(&order), None);
 }
 
 #[test]
@@ -224,7 +228,7 @@ fn accepted_corners_are_no_evidence_for_the_next_proposals() {
     let film = &phantom(2).films[0];
     let (first, rest) = Level::MODEL.split_at(3);
     let mut reading = marked(&film.vertebrae, first);
-    let before = reading.propose(&film.image, Some(film.posture));
+    let before = reading.propose(&film.image, Some(film.posture), None);
     for proposal in &before {
         let accepted = PartialLandmarks {
             corners: proposal.corners.map(Some),
@@ -235,7 +239,7 @@ fn accepted_corners_are_no_evidence_for_the_next_proposals() {
     }
     let last = before.last().expect("proposals").level;
     reading.vertebrae.remove(&last);
-    let after = reading.propose(&film.image, Some(film.posture));
+    let after = reading.propose(&film.image, Some(film.posture), None);
     let sd = |all: &[ProposedVertebra]| {
         all.iter().find(|one| one.level == last).map(|one| one.sd_share).expect("a proposal")
     };

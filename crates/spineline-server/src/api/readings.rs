@@ -75,6 +75,8 @@ pub struct ReadingView {
     pub faults: Vec<Notice>,
     /// Refused changes that are kept; in a [`ConflictAnswer`], only the changes of the request.
     pub conflicts: Vec<LostChangeView>,
+    /// The finished reading of the erect film, whose lengths complete this film; absent on the erect and the lateral film.
+    pub erect: Option<i64>,
 }
 
 /// The picture of a reading.
@@ -115,6 +117,8 @@ pub struct VertebraView {
     pub midpoint_px: Option<[f64; 2]>,
     /// The axis through the midpoint.
     pub axis: Option<AxisView>,
+    /// Its width in percent of the width on the erect film; where a film has no scale, over the median of all vertebrae.
+    pub erect_width_percent: Option<f64>,
 }
 
 /// A corner, placed or proposed.
@@ -193,6 +197,8 @@ pub struct Proposal {
     pub sd_percent: f64,
     /// The same as a part of the height, to be accepted with the corners, where they were found in the picture.
     pub sd_share: Option<f64>,
+    /// Whether the erect film and the reader's clicks determine it well enough to accept it without a click on it.
+    pub is_sure: bool,
 }
 
 /// Vertebrae found in a picture.
@@ -202,8 +208,17 @@ pub struct DetectionView {
     pub refused: Option<String>,
     /// Why the levels may be shifted, as text.
     pub doubt: Option<String>,
+    /// How the levels were matched to the erect film, as text; absent without a finished one.
+    pub matched: Option<String>,
     /// The vertebrae, caudal first.
     pub proposals: Vec<Proposal>,
+}
+
+/// Proposals that the picture contradicts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MisfitView {
+    /// Levels of the sure proposals whose corners do not lie on the edges of the picture.
+    pub levels: Vec<String>,
 }
 
 /// Events for a reading.

@@ -1,15 +1,22 @@
 //! Vertebrae found in the picture of a reading, as proposals.
 
+use std::collections::BTreeMap;
+
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline::anatomy::{FilmView, Posture};
+use spineline::anatomy::{FilmView, Level, Posture};
 use spineline::measure::{CornerName, ImageGeometry, Origin};
-use spineline_detect::{Detection, Picture, Refusal, detect};
-use spineline_store::ReadingId;
+use spineline::spatial::Pixel;
+use spineline_detect::{DetectedVertebra, Detection, Picture, SeenBody, bodies_at, detect};
+use spineline_marking::{
+    ErectFilm, NamelessBody, PartialLandmarks, PartialReading, ProposedVertebra,
+};
+use spineline_store::{ReadingId, SeenReading};
 
+use super::erect::erect_of;
 use super::markable::may_mark;
-use super::view::corner_view;
-use crate::api::{DetectionView, Problem, Proposal};
+use super::view::{corner_view, landmarks};
+use crate::api::{DetectionView, MisfitView, Problem, Proposal};
 use crate::decoded::screen;
 use crate::extract::{Json, Path};
 use crate::film_cache::Screen;
@@ -27,57 +34,131 @@ pub(super) async fn detection(
     user: User,
     Path(reading): Path<i64>,
 ) -> Answer<Json<DetectionView>> {
-    let seen = state.ask(move |store| may_mark(store, &user, ReadingId(reading))).await?;
-    if !seen.proposals {
-        let text = "the plan of these readings allows no proposals";
-        return Err(Failure::new(StatusCode::FORBIDDEN, "no_proposals", text));
-    }
+    let Proposing { seen, erect, .. } = proposing(&state, user, reading).await?;
     let film = seen.film;
     if film.view == FilmView::Lateral {
-        let refused = Some("the program finds vertebrae on frontal films only".to_owned());
-        return Ok(Json(DetectionView { refused, doubt: None, proposals: Vec::new() }));
+        let text = "the program finds vertebrae on frontal films only".to_owned();
+        return Ok(Json(refused(text)));
     }
     let image = film.geometry()?;
     let shown = screen(&state, &film.content).await?;
     let _permit = state.films().decoding().await?;
-    let found = computed(move || in_picture(&shown, &image)).await?;
     // The posture is hidden from a blinded reader.
     let is_other = seen.code.is_none() && film.view != FilmView::Frontal(Posture::Erect);
-    Ok(Json(view(found, is_other)))
+    let found = computed(move || {
+        let values = values(&shown);
+        match detect(&picture(&shown, &image, &values)) {
+            Ok(found) => view(found, &image, erect.as_ref(), is_other),
+            Err(refusal) => refused(refusal.to_string()),
+        }
+    });
+    found.await.map(Json)
 }
 
-fn in_picture(screen: &Screen, image: &ImageGeometry) -> Result<Detection, Refusal> {
+/// Compares the sure proposals of a reading with the edges in its picture. Nothing is recorded.
+#[utoipa::path(post, path = "/api/readings/{reading}/misfits", params(("reading" = i64, Path)),
+    responses((status = 200, body = MisfitView), (status = 403, body = Problem),
+        (status = 404, body = Problem)))]
+pub(super) async fn misfits(
+    State(state): State<AppState>,
+    user: User,
+    Path(reading): Path<i64>,
+) -> Answer<Json<MisfitView>> {
+    let Proposing { seen, marked, erect } = proposing(&state, user, reading).await?;
+    let image = seen.film.geometry()?;
+    let shown = screen(&state, &seen.film.content).await?;
+    let _permit = state.films().decoding().await?;
+    let levels = computed(move || {
+        let proposals = marked.propose(&image, seen.film.view.posture(), erect.as_ref());
+        let centre = |(&level, landmark): (&Level, &PartialLandmarks)| {
+            Some((level, landmark.body(&image)?.midpoint))
+        };
+        let mut centres: BTreeMap<Level, Pixel> =
+            marked.vertebrae.iter().filter_map(centre).collect();
+        centres.extend(proposals.iter().map(|one| (one.level, one.centre(&image))));
+        let (levels, cranial_first): (Vec<Level>, Vec<Pixel>) = centres.into_iter().rev().unzip();
+        let values = values(&shown);
+        let bodies = bodies_at(&picture(&shown, &image, &values), &cranial_first);
+        let bodies: BTreeMap<Level, SeenBody> = levels.into_iter().zip(bodies).collect();
+        let differs = |one: &&ProposedVertebra| {
+            let body = bodies.get(&one.level);
+            one.is_sure && body.is_some_and(|b| !one.fits(&image, &b.corners, b.sd_share))
+        };
+        proposals.iter().filter(differs).map(|one| one.level.to_string()).collect()
+    });
+    Ok(Json(MisfitView { levels: levels.await? }))
+}
+
+/// A reading in which vertebrae may be proposed.
+struct Proposing {
+    seen: SeenReading,
+    marked: PartialReading,
+    erect: Option<ErectFilm>,
+}
+
+async fn proposing(state: &AppState, user: User, reading: i64) -> Answer<Proposing> {
+    let found = state.ask(move |store| {
+        let seen = may_mark(store, &user, ReadingId(reading))?;
+        let marked = landmarks(&seen.state(&[])?, seen.film.view);
+        let erect = erect_of(store, &user, &seen)?.map(|erect| erect.film);
+        Ok(Proposing { seen, marked, erect })
+    });
+    let found = found.await?;
+    if !found.seen.proposals {
+        let text = "the plan of these readings allows no proposals";
+        return Err(Failure::new(StatusCode::FORBIDDEN, "no_proposals", text));
+    }
+    Ok(found)
+}
+
+/// Grey values as people see them, on which the networks were trained.
+fn values(screen: &Screen) -> Vec<f32> {
     let [centre, width] = screen.default_window;
     let low = centre - width / 2.0;
-    // The networks were trained on pictures as people see them.
-    let grey =
-        |value: u16| ((f64::from(value) - low) / width * 255.0).clamp(0.0, 255.0) as f32;
-    let values: Vec<f32> = screen.values().into_iter().map(grey).collect();
-    detect(&Picture {
+    let grey = |value: u16| ((f64::from(value) - low) / width * 255.0).clamp(0.0, 255.0) as f32;
+    screen.values().into_iter().map(grey).collect()
+}
+
+fn picture<'a>(screen: &Screen, image: &ImageGeometry, values: &'a [f32]) -> Picture<'a> {
+    Picture {
         columns: screen.columns as usize,
         rows: screen.rows as usize,
         pixel_aspect: pixel_aspect(image.spacing),
         patient_left: image.patient_left,
-        values: &values,
-    })
+        values,
+    }
 }
 
-fn view(found: Result<Detection, Refusal>, is_other_posture: bool) -> DetectionView {
-    let Detection { vertebrae, doubts } = match found {
-        Ok(found) => found,
-        Err(refusal) => {
-            return DetectionView {
-                refused: Some(refusal.to_string()),
-                doubt: None,
-                proposals: Vec::new(),
-            };
-        }
-    };
+fn refused(text: String) -> DetectionView {
+    DetectionView { refused: Some(text), doubt: None, matched: None, proposals: Vec::new() }
+}
+
+fn view(
+    Detection { mut vertebrae, doubts }: Detection,
+    image: &ImageGeometry,
+    erect: Option<&ErectFilm>,
+    is_other_posture: bool,
+) -> DetectionView {
     let mut texts: Vec<String> = doubts.iter().map(ToString::to_string).collect();
     if is_other_posture {
         texts.push("the program was trained on films of standing patients only".to_owned());
     }
-    let proposal = |found: &spineline_detect::DetectedVertebra| Proposal {
+    let matched = erect.and_then(|erect| {
+        vertebrae.retain(|found| found.is_seen);
+        let body =
+            |found: &DetectedVertebra| NamelessBody { corners: found.corners, votes: found.votes };
+        erect.match_levels(image, &vertebrae.iter().map(body).collect::<Vec<_>>())
+    });
+    if let Some(matched) = &matched {
+        let named = vertebrae.into_iter().zip(&matched.levels);
+        let named =
+            named.filter_map(|(found, &level)| Some(DetectedVertebra { level: level?, ..found }));
+        vertebrae = named.collect();
+        if matched.is_clear() {
+            texts.clear();
+        }
+    }
+    let proposal = |found: &DetectedVertebra| Proposal {
         level: found.level.to_string(),
         corners: CornerName::ORDER
             .into_iter()
@@ -85,10 +166,12 @@ fn view(found: Result<Detection, Refusal>, is_other_posture: bool) -> DetectionV
             .collect(),
         sd_percent: (100.0 * found.sd_share).round(),
         sd_share: Some(found.sd_share),
+        is_sure: false,
     };
     DetectionView {
         refused: None,
         doubt: (!texts.is_empty()).then(|| texts.join("; ")),
+        matched: matched.map(|matched| matched.to_string()),
         proposals: vertebrae.iter().map(proposal).collect(),
     }
 }

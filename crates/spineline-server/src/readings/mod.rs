@@ -1,6 +1,7 @@
 //! Readings: begin, record, undo, finish, withdraw, correct.
 
 mod detection;
+mod erect;
 mod lost;
 mod markable;
 mod view;
@@ -37,6 +38,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(withdraw))
         .routes(routes!(correct))
         .routes(routes!(detection::detection))
+        .routes(routes!(detection::misfits))
 }
 
 /// Begins a reading of a film.

@@ -11,6 +11,7 @@ use spineline_store::{
     Corner, Event, ReadingState, SeenReading, Store, Withdrawal, WithdrawalCause,
 };
 
+use super::erect::erect_of;
 use super::lost;
 use crate::api::{
     AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, Proposal as ProposalView,
@@ -28,7 +29,7 @@ pub fn view(
     pending: &[Event],
 ) -> Answer<ReadingView> {
     let conflicts = lost::of_reading(store, seen.record.id)?;
-    view_of(seen, &seen.state(pending)?, conflicts, seen.record.observer == user.name)
+    view_of(store, user, seen, &seen.state(pending)?, conflicts)
 }
 
 /// A reading after a stale change of this user, with only this conflict and later ones.
@@ -39,14 +40,15 @@ pub fn view_after_loss(
     first_conflict: i64,
 ) -> Answer<ReadingView> {
     let conflicts = lost::of_reading_from(store, seen.record.id, first_conflict)?;
-    view_of(seen, &seen.state(&[])?, conflicts, seen.record.observer == user.name)
+    view_of(store, user, seen, &seen.state(&[])?, conflicts)
 }
 
 fn view_of(
+    store: &Store,
+    user: &User,
     seen: &SeenReading,
     state: &ReadingState,
     conflicts: Vec<LostChangeView>,
-    mine: bool,
 ) -> Answer<ReadingView> {
     let (record, film) = (&seen.record, &seen.film);
     let image = film.geometry()?;
@@ -57,6 +59,10 @@ fn view_of(
     let proposes = seen.proposals && has_shape();
     let posture = (!is_blinded).then_some(Wire(view));
     let crest = |side| state.iliac_crests_px.get(&side).copied();
+    let erect = erect_of(store, user, seen)?;
+    let prior = erect.as_ref().map(|erect| &erect.film);
+    let order = PartialReading::order(prior);
+    let widths = prior.map(|erect| erect.width_ratios(&image, &landmarks)).unwrap_or_default();
     Ok(ReadingView {
         reading: record.id.0,
         study: (!is_blinded).then(|| seen.study.id.to_string()),
@@ -65,7 +71,7 @@ fn view_of(
         code: seen.code.as_ref().map(ToString::to_string),
         observer: record.observer.to_string(),
         repeat: (!is_blinded).then_some(record.repeat),
-        mine,
+        mine: record.observer == user.name,
         finished: state.finished,
         withdrawn: record.withdrawn.as_ref().map(withdrawal_view),
         corrects: record.corrects.map(|corrected| corrected.0),
@@ -79,27 +85,29 @@ fn view_of(
             .iter()
             .map(|(&level, landmark)| {
                 let pedicles = state.vertebrae.get(&level).map(|known| &known.pedicles);
-                vertebra((&image, view), level, landmark, pedicles)
+                let width = widths.get(&level).map(|ratio| (100.0 * ratio).round());
+                vertebra((&image, view), level, landmark, pedicles, width)
             })
             .collect(),
         crests: SidesView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
         notes: state.notes.clone(),
-        order: PartialReading::order().map(|level| level.to_string()).to_vec(),
-        next: landmarks.next().and_then(|next| next_landmark(next, view)),
+        order: order.iter().map(ToString::to_string).collect(),
+        next: landmarks.next(&order).and_then(|next| next_landmark(next, view)),
         next_by_walls: landmarks
-            .next_by_walls()
+            .next_by_walls(&order)
             .filter(|_| proposes && !is_lateral)
             .and_then(|next| next_landmark(next, view)),
         proposals_allowed: proposes,
         // Proposals use sizes from frontal views.
         proposals: if proposes && !is_lateral {
             let posture = view.posture().filter(|_| !is_blinded);
-            landmarks.propose(&image, posture).iter().map(proposal_view).collect()
+            landmarks.propose(&image, posture, prior).iter().map(proposal_view).collect()
         } else {
             Vec::new()
         },
         faults: faults(&landmarks, (&image, view), is_blinded),
         conflicts,
+        erect: erect.map(|erect| erect.reading.0),
     })
 }
 
@@ -128,7 +136,7 @@ fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> ReadingI
 }
 
 /// The landmarks in the library's types; on the lateral film the front is in place of the left.
-fn landmarks(state: &ReadingState, view: FilmView) -> PartialReading {
+pub(super) fn landmarks(state: &ReadingState, view: FilmView) -> PartialReading {
     let vertebrae: BTreeMap<Level, PartialLandmarks> = state
         .vertebrae
         .iter()
@@ -156,6 +164,7 @@ fn vertebra(
     level: Level,
     landmark: &PartialLandmarks,
     pedicles: Option<&BTreeMap<Side, [f64; 2]>>,
+    erect_width_percent: Option<f64>,
 ) -> VertebraView {
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
         let place = name.of(&landmark.corners)?;
@@ -182,6 +191,7 @@ fn vertebra(
         complete: landmark.complete().is_some(),
         midpoint_px: body.map(|body| pair(body.midpoint)),
         axis,
+        erect_width_percent,
     }
 }
 
@@ -227,6 +237,7 @@ fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
         corners: corners.collect(),
         sd_percent: (100.0 * proposal.sd_share).round(),
         sd_share: None,
+        is_sure: proposal.is_sure,
     }
 }
 

@@ -116,3 +116,69 @@ fn a_plan_without_proposals_shows_none_and_takes_none() {
     let found = reader.post(&format!("/api/readings/{reading}/detection"), &Value::Null);
     assert_eq!(found.status, StatusCode::FORBIDDEN);
 }
+
+#[test]
+fn a_bend_is_completed_from_ten_clicks_and_the_erect_film() {
+    let app = app_with_demo();
+    let browser = app.observer("Ann");
+    let study = demo(&browser);
+    let films = study["summary"]["films"].as_array().expect("films");
+    let bend = films.iter().find(|film| film["posture"] == "left_bending").expect("a bend");
+    // A finished reading of the bend by another reader.
+    let truth = browser.get(&format!("/api/readings/{}", bend["readings"][0]["reading"])).json();
+    let corner = |level: &Value, name: String, axis: usize| {
+        let vertebrae = truth["vertebrae"].as_array().expect("vertebrae");
+        let body = vertebrae.iter().find(|one| one["level"] == *level).expect("a vertebra");
+        let corners = body["corners"].as_array().expect("corners");
+        let own = corners.iter().find(|one| one["corner"] == *name).expect("a corner");
+        own["px"][axis].as_f64().expect("a number")
+    };
+    let reading = begin(&browser, bend["film"].as_i64().expect("a number"));
+    let mut marked = browser.get(&format!("/api/readings/{reading}")).json();
+    assert!(marked["erect"].is_i64(), "{marked}");
+    let mut asked = Vec::new();
+    for click in 0..10 {
+        let next = marked["next_by_walls"].clone();
+        let side = next["side"].as_str().expect("a side");
+        let middle = |axis| {
+            let at = |end: &str| corner(&next["level"], format!("{end}_{side}"), axis);
+            f64::midpoint(at("superior"), at("inferior"))
+        };
+        let wall = json!([{ "kind": "place_wall", "level": next["level"], "side": side,
+            "column_px": middle(0), "row_px": middle(1) }]);
+        marked = record(&browser, reading, click, wall).json()["reading"].clone();
+        asked.push(next["level"].as_str().expect("a level").to_owned());
+    }
+    asked.dedup();
+    assert_eq!(asked, ["L4", "L1", "T9", "T5", "T2"]);
+    let proposals = marked["proposals"].as_array().expect("proposals");
+    let sure: Vec<&Value> = proposals.iter().filter(|one| one["is_sure"] == true).collect();
+    assert_eq!(sure.len(), 10);
+    let height = |level: &Value| {
+        let at = |end: &str, axis| corner(level, format!("{end}_left"), axis);
+        let [across, along] = [0, 1].map(|axis| at("superior", axis) - at("inferior", axis));
+        across.hypot(along)
+    };
+    for one in &sure {
+        for own in one["corners"].as_array().expect("corners") {
+            let name = own["corner"].as_str().expect("a name");
+            let [across, along] = [0, 1].map(|axis| {
+                own["px"][axis].as_f64().expect("a number")
+                    - corner(&one["level"], name.to_owned(), axis)
+            });
+            assert!(across.hypot(along) < 0.2 * height(&one["level"]), "{one}");
+        }
+    }
+    let misfits = browser.post(&format!("/api/readings/{reading}/misfits"), &json!(null)).json();
+    assert_eq!(misfits, json!({ "levels": [] }), "the drawn bend shows its vertebrae");
+    let accepted: Vec<Value> = sure.into_iter().map(accepted_vertebra).collect();
+    let event = json!([{ "kind": "accept_corners", "vertebrae": accepted }]);
+    let whole = record(&browser, reading, 10, event).json()["reading"].clone();
+    let widths = whole["vertebrae"].as_array().expect("vertebrae").iter();
+    let widths: Vec<f64> = widths.filter_map(|one| one["erect_width_percent"].as_f64()).collect();
+    assert!(widths.len() == 10 && widths.iter().all(|width| (85.0..115.0).contains(width)));
+
+    let found = browser.post(&format!("/api/readings/{reading}/detection"), &json!(null)).json();
+    let matched = found["matched"].as_str().expect("a match");
+    assert!(matched.starts_with("matched to the erect film; second best is"), "{matched}");
+}
