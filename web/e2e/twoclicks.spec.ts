@@ -106,6 +106,8 @@ test("ten clicks on a bend and one key complete it from the erect film", async (
     }
   }
   await film.saved();
+  const erect = page.getByRole("region", { name: "Erect film" });
+  await expect(erect.locator("[data-level]")).toHaveCount(LEVELS.length);
   await shot(page, "measure-bend-ten-clicks");
   const accept = page.getByRole("button", { name: /^Accept 15 vertebrae/ });
   await expect(accept).toBeVisible();
@@ -116,4 +118,18 @@ test("ten clicks on a bend and one key complete it from the erect film", async (
   expect(accepted.vertebrae.filter(({ complete }) => complete)).toHaveLength(LEVELS.length);
   expect(farthest(accepted, truth)).toBeLessThan(0.4 * height(truth));
   await expect(page.getByTitle("Width against the erect film")).toHaveCount(LEVELS.length);
+
+  // The same vertebra on both films, at one scale: all demo films have one spacing.
+  await page.getByRole("button", { name: /^T8/ }).click();
+  await expect(erect.locator(".current")).toHaveAttribute("data-level", "T8");
+  const scaleOf = async (index: number): Promise<number> =>
+    (
+      JSON.parse((await page.getByTestId("viewer").nth(index).getAttribute("data-view"))!) as {
+        scale: number;
+      }
+    ).scale;
+  expect(await scaleOf(1)).toBeCloseTo(await scaleOf(0), 6);
+  await shot(page, "measure-bend-accepted");
+  await page.keyboard.press("8");
+  await expect(erect).toHaveCount(0);
 });

@@ -104,6 +104,7 @@ function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
     5: layer(5),
     6: layer(6),
     7: layer(7),
+    8: layer(8),
     ...targets.more,
     i: () => targets.invert(),
     l: () => (viewer.loupe = !viewer.loupe),

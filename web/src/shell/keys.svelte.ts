@@ -89,8 +89,8 @@ export const KEYS = [
   { page: "film", strokes: ["l"], text: "loupe" },
   {
     page: "film",
-    strokes: ["1", "2", "3", "4", "5", "6", "7"],
-    shown: "1 – 7",
+    strokes: ["1", "2", "3", "4", "5", "6", "7", "8"],
+    shown: "1 – 8",
     text: "show or hide a layer",
   },
   { page: "film", strokes: ["Escape"], text: "clear the selection" },

@@ -7,6 +7,7 @@ export const LAYERS = [
   { name: "least", label: "Least rotating" },
   { name: "cobb", label: "Cobb" },
   { name: "lines", label: "Lines of action" },
+  { name: "erect", label: "Erect film beside" },
 ] as const;
 
 export type LayerName = (typeof LAYERS)[number]["name"];
@@ -21,6 +22,7 @@ class Layers {
     least: true,
     cobb: true,
     lines: true,
+    erect: true,
   });
 
   /** By the number of its key. */
