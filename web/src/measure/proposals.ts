@@ -67,7 +67,7 @@ export function openProposals(reading: ReadingView, found: readonly Proposal[]):
 }
 
 /**
- * The proposals that one key accepts: the sure ones and those of all vertebrae whose walls the reader has marked, else only of
+ * The proposals that one key accepts: the sure ones and all whose walls the reader has marked, else only the proposal of
  * the next vertebra. Without its walls a vertebra is proposed for two clicks only on request.
  */
 export function acceptable(

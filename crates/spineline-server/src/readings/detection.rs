@@ -14,8 +14,9 @@ use spineline_marking::{
 use spineline_store::{ReadingId, SeenReading};
 
 use super::erect::erect_of;
+use super::landmarks::landmarks;
 use super::markable::may_mark;
-use super::view::{corner_view, landmarks};
+use super::view::corner_view;
 use crate::api::{DetectionView, MisfitView, Problem, Proposal};
 use crate::decoded::screen;
 use crate::extract::{Json, Path};

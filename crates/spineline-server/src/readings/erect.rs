@@ -4,7 +4,7 @@ use spineline::anatomy::{FilmView, Posture};
 use spineline_marking::ErectFilm;
 use spineline_store::{ReadingId, ReadingRecord, SeenReading, Store};
 
-use super::view::landmarks;
+use super::landmarks::landmarks;
 use crate::access::seen_reading;
 use crate::problem::Answer;
 use crate::user::User;

@@ -2,6 +2,7 @@
 
 mod detection;
 mod erect;
+mod landmarks;
 mod lost;
 mod markable;
 mod view;

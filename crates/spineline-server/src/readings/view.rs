@@ -12,6 +12,7 @@ use spineline_store::{
 };
 
 use super::erect::erect_of;
+use super::landmarks::landmarks;
 use super::lost;
 use crate::api::{
     AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, Proposal as ProposalView,
@@ -133,30 +134,6 @@ fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> ReadingI
         spacing_text: words::spacing_text(image.spacing),
         inverted,
     }
-}
-
-/// The landmarks in the library's types; on the lateral film the front is in place of the left.
-pub(super) fn landmarks(state: &ReadingState, view: FilmView) -> PartialReading {
-    let vertebrae: BTreeMap<Level, PartialLandmarks> = state
-        .vertebrae
-        .iter()
-        .map(|(&level, landmarks)| {
-            let place = |&[column, row]: &[f64; 2]| Pixel::new(column, row);
-            (
-                level,
-                PartialLandmarks {
-                    corners: landmarks.placed(view).map(|corner| corner.as_ref().map(place)),
-                    origins: landmarks.corner_origins(view),
-                    walls: [Side::Left, Side::Right]
-                        .map(|side| landmarks.walls.get(&side).map(place)),
-                    axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
-                },
-            )
-        })
-        .collect();
-    let crests = [Side::Left, Side::Right]
-        .map(|side| state.iliac_crests_px.get(&side).map(|&[column, row]| Pixel::new(column, row)));
-    PartialReading { vertebrae, crests }
 }
 
 fn vertebra(
