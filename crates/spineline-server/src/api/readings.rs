@@ -76,6 +76,7 @@ pub struct ReadingView {
     /// Refused changes that are kept; in a [`ConflictAnswer`], only the changes of the request.
     pub conflicts: Vec<LostChangeView>,
     /// The finished reading of the erect film, whose lengths complete this film; absent on the erect and the lateral film.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub erect: Option<i64>,
 }
 
@@ -118,6 +119,7 @@ pub struct VertebraView {
     /// The axis through the midpoint.
     pub axis: Option<AxisView>,
     /// Its width in percent of the width on the erect film; where a film has no scale, over the median of all vertebrae.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub erect_width_percent: Option<f64>,
 }
 
