@@ -140,6 +140,8 @@ test("two keys finish a reading and begin the next film", async ({ app, page }) 
   // One key without finishing, and back.
   await page.keyboard.press(".");
   await expect(page.getByRole("link", { name: /^Right bending/ })).toContainText("0 of 15");
+  await expect(film.target).toContainText("L4");
+  await film.painted();
   await page.keyboard.press(",");
   await expect(page.getByRole("link", { name: /^Left bending/ })).toHaveAttribute(
     "aria-current",
