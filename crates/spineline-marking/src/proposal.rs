@@ -3,7 +3,7 @@
 use spineline::anatomy::{Level, Posture, Side};
 use spineline::measure::completion::{Click, Clicks, ShapeModel, complete, complete_by};
 use spineline::measure::{CornerName, Corners, ImageGeometry};
-use spineline::spatial::{Frontal, Pixel};
+use spineline::spatial::Pixel;
 
 use super::{ErectFilm, PartialLandmarks, PartialReading};
 
@@ -43,8 +43,7 @@ impl ProposedVertebra {
     /// The mean of its corners.
     #[must_use]
     pub fn centre(&self, image: &ImageGeometry) -> Pixel {
-        let corners = self.corners.points().map(|corner| image.frontal(corner));
-        image.pixel(corners.into_iter().fold(Frontal::default(), |sum, one| sum + one) * 0.25)
+        image.pixel(self.corners.map(|corner| image.frontal(corner)).centre())
     }
 
     /// Whether a body in the picture with this standard deviation agrees with it, by the mean square distance of the corners.

@@ -18,7 +18,7 @@ impl CornerOrder {
     /// The only order under which all bodies of a reading, caudal first, are bodies of one spine; `None` if it is the right one, if no
     /// order fits, and if only left and right are exchanged.
     pub(super) fn of(bodies: &[Corners<Frontal>]) -> Option<Self> {
-        let centres: Vec<Frontal> = bodies.iter().map(centre).collect();
+        let centres: Vec<Frontal> = bodies.iter().map(Corners::centre).collect();
         let last = centres.len().checked_sub(1).filter(|&last| last > 0)?;
         let fits = |order: &[usize; 4]| {
             bodies.iter().enumerate().all(|(i, body)| {
@@ -51,11 +51,6 @@ impl CornerOrder {
         });
         pairs.chain(others).collect::<Vec<_>>().join(", ")
     }
-}
-
-fn centre(body: &Corners<Frontal>) -> Frontal {
-    let [a, b, c, d] = body.points();
-    (a + b + c + d) * 0.25
 }
 
 /// The body whose corner of each place is given in the place that the order names.

@@ -100,6 +100,13 @@ impl fmt::Display for CornerFault {
 }
 
 impl Corners<Frontal> {
+    /// The mean of the four corners.
+    #[must_use]
+    pub fn centre(&self) -> Frontal {
+        let [a, b, c, d] = self.points();
+        (a + b + c + d) * 0.25
+    }
+
     /// Intersection of the two diagonals: the paper's LOC.
     ///
     /// # Errors

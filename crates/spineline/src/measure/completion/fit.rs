@@ -86,7 +86,5 @@ pub(super) fn fit_to(model: &ShapeModel, clicks: &PlacedClicks) -> Result<Fit, C
 
 /// Means of the corners of every vertebra.
 pub(super) fn centres(shape: &Shape) -> [Frontal; LEVELS] {
-    shape.corners().map(|body| {
-        body.points().into_iter().fold(Frontal::default(), |sum, corner| sum + corner) * 0.25
-    })
+    shape.corners().map(|body| body.centre())
 }
