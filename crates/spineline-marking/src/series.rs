@@ -7,7 +7,7 @@ use spineline::measure::completion::complete;
 use spineline::measure::{Corners, ImageGeometry};
 use spineline::spatial::{Frontal, Pixel};
 
-use super::ErectFilm;
+use super::erect::{ErectFilm, median};
 
 /// Levels from L5 to T1.
 const LEVELS: usize = Level::ALL.len();
@@ -80,9 +80,8 @@ struct Size {
 
 impl Size {
     fn of(body: &Corners<Frontal>) -> Self {
-        let sum = body.points().into_iter().fold(Frontal::default(), |sum, corner| sum + corner);
         let (width, height) = (body.mean_width_mm().ln(), body.height_mm().ln());
-        Self { width, height, centre: sum * 0.25 }
+        Self { width, height, centre: body.centre() }
     }
 
     /// Logarithm of the distance to another body.
@@ -221,7 +220,6 @@ fn squared(off: f64, sd: f64) -> f64 {
 }
 
 fn median_step(sizes: &[Size]) -> f64 {
-    let mut steps: Vec<f64> = sizes.windows(2).map(|pair| pair[0].step(&pair[1])).collect();
-    steps.sort_by(f64::total_cmp);
-    steps[steps.len() / 2]
+    let steps = sizes.windows(2).map(|pair| pair[0].step(&pair[1]));
+    median(steps.collect()).unwrap_or_default()
 }
