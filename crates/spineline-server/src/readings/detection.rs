@@ -155,9 +155,6 @@ fn view(
         let named =
             named.filter_map(|(found, &level)| Some(DetectedVertebra { level: level?, ..found }));
         vertebrae = named.collect();
-        if matched.is_clear() {
-            texts.clear();
-        }
     }
     let proposal = |found: &DetectedVertebra| Proposal {
         level: found.level.to_string(),
