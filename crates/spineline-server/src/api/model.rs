@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{LineKindName, Notice, PostureName};
+use super::{LineKindName, Notice, PitchSourceName, PostureName};
 
 /// Models of one study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -22,6 +22,8 @@ pub struct ModelView {
     pub length_unit: String,
     /// Sizes of the vertebral bodies, L4 to T2.
     pub bodies: Vec<BodySize>,
+    /// Where pitch and depth of each vertebra come from, L4 to T2.
+    pub pitch_from: Vec<PitchSourceName>,
     /// The unloaded spine.
     pub erect: Shape,
     /// The spine as measured on other films; sagittal coordinates are from the erect film.

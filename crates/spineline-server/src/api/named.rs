@@ -1,6 +1,7 @@
 //! Named values of the library, as strings.
 
 use spineline::action::LineKind;
+use spineline::analysis::PitchSource;
 use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::SpacingPlane;
 use spineline_files::ExportFormat;
@@ -16,6 +17,8 @@ pub type FilmViewName = Wire<FilmView>;
 pub type ImageSideName = Wire<ImageSide>;
 /// Unit of a film's lengths.
 pub type SpacingPlaneName = Wire<SpacingPlane>;
+/// Where pitch and depth of a vertebra of the model come from.
+pub type PitchSourceName = Wire<PitchSource>;
 /// Kind of a line of action.
 pub type LineKindName = Wire<LineKind>;
 /// Format of a model for other multibody programs.

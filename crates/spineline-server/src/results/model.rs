@@ -53,6 +53,11 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         options_text: result.options_text(),
         length_unit: drawn_unit(movement.scale()).to_owned(),
         bodies: bodies(analysis),
+        pitch_from: movement
+            .levels()
+            .iter()
+            .map(|level| Wire(analysis.pitch_source(level)))
+            .collect(),
         erect: deformed_shape(&movement.spine, &erect),
         measured: moved
             .map(|posture| {

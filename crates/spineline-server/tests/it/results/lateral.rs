@@ -53,6 +53,14 @@ fn an_analysis_from_the_store_has_the_spine_in_space_of_its_case() {
     let vertebrae = analysis["space"]["vertebrae"].as_object().expect("vertebrae");
     let marked = case.lateral.as_ref().map(|film| film.readings[0].vertebrae.len());
     assert_eq!(Some(vertebrae.len()), marked);
+    let model = running.get(&format!("{study}/model"));
+    let pitch_from = model["pitch_from"].as_array().expect("sources");
+    let bodies = model["bodies"].as_array().expect("bodies");
+    assert_eq!(pitch_from.len(), bodies.len());
+    for (source, body) in pitch_from.iter().zip(bodies) {
+        let is_marked = vertebrae.contains_key(body["level"].as_str().expect("a level"));
+        assert_eq!(source, if is_marked { "lateral_film" } else { "population" });
+    }
     let rotations = analysis["axial_rotation"].as_object().expect("rotations");
     assert!(rotations.len() > 10, "{}", rotations.len());
 }

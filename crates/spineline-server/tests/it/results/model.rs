@@ -39,6 +39,8 @@ fn models_equal_those_of_the_exported_case() {
     let model = running.get("/api/studies/S1/model");
     assert_numbers(&model, "model");
     assert_eq!(model["synthetic"], true);
+    let population = analysis.movement.levels().iter().map(|_| "population");
+    assert_eq!(model["pitch_from"], population.collect::<Value>());
     assert!(
         farthest_mm(
             &points(&model["erect"]["midpoints_mm"]),
