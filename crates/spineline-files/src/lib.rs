@@ -41,9 +41,6 @@ mod simulated;
 mod simulation_file;
 mod simulation_uncertainty;
 mod stiffness_file;
-mod stored_hypotheses;
-mod stored_identifiability;
-mod stored_uncertainty;
 mod table_text;
 mod text;
 
@@ -80,11 +77,6 @@ pub use schemas::{schema, schema_names};
 pub use simulated::{Simulated, SimulationError};
 pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
-pub use stored_hypotheses::{hypotheses_text, parse_hypotheses};
-pub use stored_identifiability::{identifiability_text, parse_identifiability};
-pub use stored_uncertainty::{
-    loaded_uncertainty_text, parse_loaded_uncertainty, parse_uncertainty, uncertainty_text,
-};
 pub use table_text::{
     column_name, decode_text, guarded, is_no_number, starts_formula, stated_separator, unguarded,
     whole_number,

@@ -1,5 +1,7 @@
 //! Numbers as text for people. Messages, reports and the program's own texts write numbers by these functions.
 
+use serde::{Deserialize, Deserializer};
+
 /// Text in place of a missing number.
 #[must_use]
 pub fn none() -> String {
@@ -93,6 +95,14 @@ pub fn times(ratio: f64) -> String {
 #[must_use]
 pub fn with_unit(number: &str, unit: &str) -> String {
     format!("{number}{NO_BREAK}{unit}")
+}
+
+/// Reads a number that may be infinite: JSON writes it as `null`.
+///
+/// # Errors
+/// If the value is neither a number nor `null`.
+pub fn or_infinite<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
 }
 
 fn is_zero(size: &str) -> bool {

@@ -1,3 +1,7 @@
+use serde::{Deserialize, Serialize};
+
+use crate::number::or_infinite;
+
 /// The quality of a fit, given the numbers that it took.
 ///
 /// # Definition
@@ -12,17 +16,20 @@
 ///
 /// # References
 /// [burnham-2002], sections 2.2 and 2.4; [schwarz-1978].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Criteria {
     /// Measured numbers: n.
     pub measured: usize,
     /// Fitted numbers with the size of the residuals: K.
     pub fitted: usize,
     /// `χ²`.
+    #[serde(deserialize_with = "or_infinite")]
     pub chi_squared: f64,
     /// Akaike's criterion, corrected for few data; infinite where `n ≤ K + 1`.
+    #[serde(deserialize_with = "or_infinite")]
     pub aicc: f64,
     /// Schwarz's criterion.
+    #[serde(deserialize_with = "or_infinite")]
     pub bic: f64,
 }
 
@@ -55,5 +62,19 @@ impl Criteria {
     #[must_use]
     pub fn residual_rms(&self) -> f64 {
         (self.chi_squared / self.measured as f64).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn infinite_criteria_are_read_as_they_were_written() {
+        // Three numbers for three parameters: AICc is infinite. Without a fit, all criteria are.
+        for criteria in [Criteria::new(2.0, 3, 2), Criteria::new(f64::INFINITY, 20, 4)] {
+            let text = serde_json::to_string(&criteria).expect("numbers");
+            assert_eq!(serde_json::from_str::<Criteria>(&text).expect("our own text"), criteria);
+        }
     }
 }

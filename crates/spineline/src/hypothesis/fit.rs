@@ -1,5 +1,7 @@
 //! A hypothesis fitted to the bends of a patient, and its predictions of films that were not fitted.
 
+use serde::{Deserialize, Serialize};
+
 use super::from_top::predict_from_top;
 use super::prediction::{Predicted, Role, ShapePrediction, predict, prediction};
 use super::{Criteria, Hypothesis, HypothesisFilm, Spine};
@@ -10,7 +12,7 @@ use crate::personalize::{Base, FilmData, Personalization, Problem, fit};
 use crate::spatial::Angle;
 
 /// A hypothesis fitted to one patient.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HypothesisFit {
     /// Which.
     pub hypothesis: Hypothesis,
@@ -27,7 +29,7 @@ pub struct HypothesisFit {
 }
 
 /// A film without a prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LostPrediction {
     /// The posture.
     pub posture: Posture,

@@ -36,6 +36,8 @@ pub use criteria::Criteria;
 pub use fit::{HypothesisFit, LostPrediction, fit_hypothesis};
 pub use prediction::{CounterRotatingJoints, Role, ShapePrediction};
 
+use serde::{Deserialize, Serialize};
+
 use crate::anatomy::named;
 use crate::evaluate::RotationPrior;
 use crate::measure::Outline;
@@ -85,7 +87,7 @@ impl LoadShape {
 }
 
 /// A load and a base that may have bent a spine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Hypothesis {
     /// The load.
     pub load: LoadShape,

@@ -1,5 +1,7 @@
 //! A film under the load of a hypothesis: its shape, and the prediction of a film that was not fitted.
 
+use serde::{Deserialize, Serialize};
+
 use super::near_t2::nearest_t2;
 use super::{Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::{Posture, named};
@@ -28,7 +30,7 @@ named! {
 }
 
 /// Joints that turn against the moment of a load, where the film shows both.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CounterRotatingJoints {
     /// How many.
     pub joints: usize,
@@ -39,7 +41,7 @@ pub struct CounterRotatingJoints {
 }
 
 /// A film by a hypothesis, beside the measured film.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShapePrediction {
     /// The posture.
     pub posture: Posture,

@@ -4,6 +4,8 @@
 //! its plane, magnification differs, and landmarks lie differently. A factor per film corrects this before films are compared;
 //! angles do not depend on it.
 
+use serde::{Deserialize, Serialize};
+
 use crate::spatial::Frontal;
 
 /// How lengths of several films of one patient are compared.
@@ -33,7 +35,7 @@ impl Default for FilmLengthRule {
 }
 
 /// A scale, and the standard deviation of its logarithm.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FilmScale {
     /// A length on the film over the same length on the erect film.
     pub factor: f64,

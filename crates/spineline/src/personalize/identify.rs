@@ -29,14 +29,16 @@
 //! # References
 //! [raue-2009], [gutenkunst-2007].
 
-use crate::anatomy::named;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 use super::fit::problem_of;
 use super::problem::Problem;
 use super::{FitFilm, FitSettings, Gauge, GroupStiffness, MULTIPLIER_BOUNDS, Personalization};
+use crate::anatomy::named;
 use crate::least_squares::{FitStatus, Minimum, minimize};
 use crate::multibody::{FittedSprings, MarchedFilm};
+use crate::number::or_infinite;
 
 /// How often a 95 % interval of the mean stiffness of a group ([`GroupStiffness`]) holds the true one, in words: wherever it is shown.
 pub const STIFFNESS_COVERAGE: &str = "The 95 % interval is of the mean stiffness of the joints, by a mixed model: joints of a group may differ, and landmarks have noise. On synthetic spines it held the true value in 90 to 99 % of tries where springs are linear, and in 68 to 89 % where they stiffen.";
@@ -53,7 +55,7 @@ pub const MULTIPLIER_COVERAGE: &str = "A 95 % interval of a multiplier holds the
 ///
 /// # References
 /// [raue-2009] for the profile likelihood; [gutenkunst-2007] for the directions.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Identifiability {
     /// [`Personalization::variance_factor`].
     pub variance_factor: f64,
@@ -66,20 +68,22 @@ pub struct Identifiability {
 }
 
 /// A direction in which all `ln α` may change together, and how well the films fix it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StiffnessDirection {
     /// Its part in every group's `ln α`; of length 1.
     pub log_multipliers: Vec<f64>,
     /// Standard deviation along it, with the loads free; infinite where the films say nothing.
+    #[serde(deserialize_with = "or_infinite")]
     pub log_sd: f64,
     /// How much of it is the direction that changes no ratio, 0 to 1: the one that the gauge fixes.
     pub gauge_share: f64,
 }
 
 /// Identifiability of one multiplier under the gauge.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MultiplierInformation {
     /// Standard deviation of `ln α` from the films alone, by curvature; infinite where they do not fix it.
+    #[serde(deserialize_with = "or_infinite")]
     pub log_sd: f64,
     /// The same with the prior, where there is one.
     pub log_sd_with_prior: Option<f64>,
@@ -124,7 +128,7 @@ impl MultiplierInformation {
 }
 
 /// The best fit for every held value of one `ln α`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
     /// Points in the order of `ln α`.
     pub points: Vec<ProfilePoint>,
@@ -135,7 +139,7 @@ pub struct Profile {
 }
 
 /// One value of `ln α`, with everything else fitted anew.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ProfilePoint {
     /// The value held.
     pub log_multiplier: f64,
@@ -144,7 +148,7 @@ pub struct ProfilePoint {
 }
 
 /// Where a profile leaves the 95 % region, if the model is exact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ProfileEnd {
     /// At this `ln α`.
     At(f64),

@@ -1,3 +1,5 @@
+use serde::{Deserialize, Serialize};
+
 use super::{Response, SpineAngles, erect_shape, measure_angles};
 use crate::anatomy::Region;
 use crate::anatomy::named;
@@ -7,7 +9,7 @@ use crate::multibody::{Deformed, Goal, SpineModel};
 use crate::spatial::Angle;
 
 /// A measure of a spine before and under loads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LoadedQuantity {
     /// Cobb angle of a curve, in degrees; positive where convex to the left.
     Cobb(Region),

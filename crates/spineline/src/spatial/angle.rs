@@ -1,6 +1,8 @@
 use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
 
+use serde::{Deserialize, Serialize};
+
 use crate::anatomy::Side;
 use crate::number::fixed;
 
@@ -15,11 +17,13 @@ use crate::number::fixed;
 /// assert_eq!(tilt.side(), Some(Side::Left));
 /// assert_eq!(tilt.leaning(), "12.5° left");
 /// ```
+/// Serialised in radians, for computations that are read back to the last bit; results for people state degrees.
+///
 /// A bare number is not an angle:
 /// ```compile_fail
 /// let tilt: spineline::spatial::Angle = 12.5;
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Default, Serialize, Deserialize)]
 pub struct Angle(f64);
 
 impl Angle {

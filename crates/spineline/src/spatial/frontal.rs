@@ -1,5 +1,7 @@
 use std::ops::{Add, Mul, Sub};
 
+use serde::{Deserialize, Serialize};
+
 use super::Angle;
 
 /// A place on an image: column to the right, row down, both in pixels, the centre of the first pixel at (0, 0).
@@ -32,7 +34,7 @@ impl Pixel {
 }
 
 /// A point or displacement in a frontal plane: `y` to the patient's left, `z` cranial, both in millimetres.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Frontal {
     /// To the patient's left.
     pub y_mm: f64,

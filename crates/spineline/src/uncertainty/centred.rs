@@ -1,8 +1,10 @@
+use serde::{Deserialize, Serialize};
+
 use super::distribution::Distribution;
 use crate::spatial::Angle;
 
 /// Moments and quantiles, in the unit of the quantity.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Mean.
     pub mean: f64,

@@ -1,12 +1,12 @@
-use crate::anatomy::named;
 use std::collections::{BTreeMap, BTreeSet};
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 
 use super::stream::stream;
 use crate::analysis::{Analysis, Case};
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{Level, Posture, named};
 use crate::measure::{
     CornerName, Corners, Film, FilmLandmarks, ImageGeometry, InterpolationError, Noise, Origin,
     Outline, Placement, ProgramCorners, Reading, ReadingSquares, VertebraLandmarks,
@@ -37,7 +37,7 @@ named! {
 }
 
 /// Standard deviation of one reading of one film.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FilmNoise {
     /// The film.
     pub posture: Posture,
@@ -50,7 +50,7 @@ pub struct FilmNoise {
 }
 
 /// Standard deviation of a film's landmarks.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum VertebraNoise {
     /// Corners and crests on a picture.
     Corners {

@@ -4,6 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
+use serde::{Deserialize, Serialize};
+
 use super::centred::Centred;
 use super::quantities::fitted_model;
 use super::words::noise_words;
@@ -150,7 +152,7 @@ impl LoadedTally<'_> {
 }
 
 /// Distribution of one number before, under or by loads, in the unit of its quantity.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LoadedSpread {
     /// What is measured.
     pub quantity: LoadedQuantity,
@@ -174,7 +176,7 @@ impl LoadedSpread {
 }
 
 /// Effect of landmark noise on every number before and under loads.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LoadedUncertainty {
     /// Seed of the random streams.
     pub seed: u64,

@@ -1,5 +1,7 @@
 //! The quantities of an analysis whose distribution is computed.
 
+use serde::{Deserialize, Serialize};
+
 use crate::action::LineKind;
 use crate::analysis::{Analysis, FilmMovement, LineModel};
 use crate::anatomy::{Level, Posture, Region, named};
@@ -9,7 +11,7 @@ use crate::personalize::{FitStatus, StiffnessBound};
 use crate::spatial::Angle;
 
 /// One number of an analysis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum AnalysisQuantity {
     /// Length of the erect chain.
     ChainLength,

@@ -1,6 +1,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
 use super::centred::{Centred, Spread};
 use super::words::noise_words;
 use super::{Absent, AnalysisQuantity, FilmNoise, MonteCarlo, Replicate};
@@ -26,7 +28,7 @@ struct Counted {
 }
 
 /// Distribution of one quantity of an analysis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct QuantitySpread {
     /// Which number.
     pub quantity: AnalysisQuantity,
@@ -75,7 +77,7 @@ impl QuantitySpread {
 }
 
 /// How often something ended without result.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FailureCount {
     /// What: the code of an error, `fit_not_converged` or `force_not_found`.
     pub code: Cow<'static, str>,
@@ -88,7 +90,7 @@ pub struct FailureCount {
 }
 
 /// Effect of landmark noise on every number of an analysis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Uncertainty {
     /// Seed of the random streams.
     pub seed: u64,

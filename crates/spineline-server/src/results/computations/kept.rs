@@ -3,10 +3,7 @@
 use std::sync::Arc;
 
 use spineline::hypothesis::Hypothesis;
-use spineline_files::{
-    CaseFile, hypotheses_text, identifiability_text, parse_hypotheses, parse_identifiability,
-    parse_uncertainty, to_line, uncertainty_text,
-};
+use spineline_files::{CaseFile, to_line};
 use spineline_store::KeptComputation;
 
 use super::models;
@@ -49,21 +46,17 @@ fn read(name: ComputationName, result: &StudyResult, kept: &KeptComputation) -> 
     if !inputs(name, result).is_ok_and(|inputs| kept.is_of(&inputs)) {
         return None;
     }
-    match name {
-        ComputationName::Replicates => {
-            let empty = with_monte_carlo(result, |one| one.tally().finish(kept.asked)).ok()?;
-            let found = parse_uncertainty(&kept.found, empty)?;
-            Some(Found::Replicates(Box::new(found)))
-        }
+    let text = &kept.found;
+    Some(match name {
+        ComputationName::Replicates => Found::Replicates(serde_json::from_str(text).ok()?),
         ComputationName::Identifiability => {
-            parse_identifiability(&kept.found).map(Found::Identifiability)
+            Found::Identifiability(serde_json::from_str(text).ok()?)
         }
         ComputationName::Models => {
-            let fits = parse_hypotheses(&kept.found)?;
-            let compared = models::compared(result.analysis()?, fits);
-            Some(Found::Models(Box::new(compared)))
+            let fits = serde_json::from_str(text).ok()?;
+            Found::Models(Box::new(models::compared(result.analysis()?, fits)))
         }
-    }
+    })
 }
 
 /// Program with the identity of its code, case and options, with numbers of the case itself.
@@ -76,9 +69,9 @@ pub fn inputs_with(result: &StudyResult, numbers: &str) -> String {
 /// The result of a computation, as the store keeps it.
 pub fn written(job: &ComputationJob, found: &Found) -> Option<KeptComputation> {
     let text = match found {
-        Found::Replicates(found) => uncertainty_text(found),
-        Found::Identifiability(found) => identifiability_text(found),
-        Found::Models(found) => hypotheses_text(&found.hypotheses),
+        Found::Replicates(found) => to_line(found),
+        Found::Identifiability(found) => to_line(found),
+        Found::Models(found) => to_line(&found.hypotheses),
     };
     let inputs = inputs(job.work, &job.result).ok()?;
     Some(KeptComputation::new(&inputs, job.asked, text))

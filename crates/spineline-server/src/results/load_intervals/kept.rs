@@ -1,10 +1,11 @@
 //! Intervals under loads that are stored with the study and survive a restart: the last ones for any line and loads.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use spineline::uncertainty::{LoadedTally, LoadedUncertainty};
-use spineline_files::{loaded_uncertainty_text, parse_loaded_uncertainty, to_line};
+use spineline_files::to_line;
 use spineline_store::KeptComputation;
 
 use crate::api::LineKindName;
@@ -19,11 +20,11 @@ use crate::state::AppState;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Stored {
+struct Stored<'a> {
     line: LineKindName,
     /// The load file as it was sent.
     file: String,
-    replicates: String,
+    replicates: Cow<'a, LoadedUncertainty>,
 }
 
 /// Intervals as the store keeps them.
@@ -33,11 +34,8 @@ struct Stored {
 pub fn written(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Answer<KeptComputation> {
     let work = &job.work;
     let empty = tally(&job.result, work, |tally| tally.finish(job.asked))?;
-    let stored = Stored {
-        line: work.line,
-        file: work.file.clone(),
-        replicates: loaded_uncertainty_text(found),
-    };
+    let stored =
+        Stored { line: work.line, file: work.file.clone(), replicates: Cow::Borrowed(found) };
     let inputs = inputs(&job.result, work, &empty);
     Ok(KeptComputation::new(&inputs, job.asked, to_line(&stored)))
 }
@@ -62,7 +60,7 @@ fn read(
     if !kept.is_of(&inputs(result, &work, &empty)) {
         return None;
     }
-    Some((work, parse_loaded_uncertainty(&replicates, empty)?))
+    Some((work, replicates.into_owned()))
 }
 
 /// Everything that the intervals depend on.

@@ -18,6 +18,7 @@
 //! that the uncertain points give them.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
+use serde::{Deserialize, Serialize};
 
 use super::super::evidence::FilmEvidence;
 use super::covariance::EstimatedCovariance;
@@ -28,7 +29,7 @@ use crate::clinical::JointShares;
 use crate::multibody::JointGroups;
 
 /// Predicted mean `ln` stiffness of a group of joints, against the mean over the groups.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GroupStiffness {
     /// Prediction.
     pub log_mean: f64,
