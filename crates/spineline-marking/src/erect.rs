@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::Level;
-use spineline::measure::ImageGeometry;
+use spineline::measure::{ImageGeometry, median};
 
 use super::PartialReading;
 
@@ -38,15 +38,9 @@ impl ErectFilm {
         };
         let mut ratios: BTreeMap<Level, f64> = reading.vertebrae.keys().filter_map(ratio).collect();
         if image.scale().is_none() || self.image.scale().is_none() {
-            let median = median(ratios.values().copied().collect()).unwrap_or(1.0);
+            let median = median(ratios.values().copied().collect());
             ratios.values_mut().for_each(|ratio| *ratio /= median);
         }
         ratios
     }
-}
-
-/// The upper median; `None` without a value.
-pub fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

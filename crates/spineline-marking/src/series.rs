@@ -4,10 +4,10 @@ use std::fmt;
 
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::completion::complete;
-use spineline::measure::{Corners, ImageGeometry};
+use spineline::measure::{Corners, ImageGeometry, median};
 use spineline::spatial::{Frontal, Pixel};
 
-use super::erect::{ErectFilm, median};
+use super::ErectFilm;
 
 /// Levels from L5 to T1.
 const LEVELS: usize = Level::ALL.len();
@@ -221,5 +221,5 @@ fn squared(off: f64, sd: f64) -> f64 {
 
 fn median_step(sizes: &[Size]) -> f64 {
     let steps = sizes.windows(2).map(|pair| pair[0].step(&pair[1]));
-    median(steps.collect()).unwrap_or_default()
+    median(steps.collect())
 }

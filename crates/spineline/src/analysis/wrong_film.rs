@@ -2,7 +2,7 @@
 
 use super::film_likelihood::{FilmDifference, Taken, is_clear};
 use crate::anatomy::{Level, Levels, Side};
-use crate::measure::{Film, FilmLandmarks, Outline, body_shapes};
+use crate::measure::{Film, FilmLandmarks, Outline, body_shapes, median};
 use crate::number::fixed;
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};
@@ -250,15 +250,4 @@ fn program_log_sd(outlines: [&Outline; 2], marked: &[(Level, [[f64; 2]; 2])], si
         outlines.iter().zip(sizes).map(|(outline, size)| square(outline, *level, size[side])).sum()
     };
     (marked.iter().map(of_pair).sum::<f64>() / marked.len() as f64).sqrt()
-}
-
-/// Median of at least one value, all finite.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 {
-        values[middle]
-    } else {
-        f64::midpoint(values[middle - 1], values[middle])
-    }
 }

@@ -83,11 +83,12 @@ impl<'a> ReadBodies<'a> {
     }
 }
 
-/// Median of at least one value, all finite.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
+/// Median of values; NaN without one.
+#[must_use]
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+    let at = |place: usize| values.get(place).copied().unwrap_or(f64::NAN);
+    f64::midpoint(at((values.len().max(1) - 1) / 2), at(values.len() / 2))
 }
 
 /// Standard deviation of a coordinate of a corner, mean over the readings, from how they differ, in the unit of the bodies; `None` where

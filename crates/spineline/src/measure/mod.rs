@@ -52,6 +52,7 @@ mod tilt;
 mod tilts;
 
 pub use axial::{AxialRotation, NashMoe, PedicleFault};
+pub use bodies::median;
 pub use corner_order::CornerOrder;
 pub use corners::{CornerFault, CornerName, Corners, EndplateTilts};
 pub use error::{FilmPlace, MeasureError, MeasureFault};
