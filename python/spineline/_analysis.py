@@ -49,6 +49,8 @@ class MethodOptions(TypedDict, total=False):
     """Scale constraint: ``"geometric-mean"``, ``"frozen-force"`` or ``"known-force:POSTURE=NEWTON"``."""
     support: Literal["free", "frontal"]
     """Support of the patient."""
+    reference: str
+    """``"unloaded"``, or ``"loaded:50"``: the springs carry the trunk of a body of 50 kg on the erect film alone."""
     fit: Literal["shape", "ferguson"]
     """Quantity that the stiffness is fitted to."""
     tilt: Literal["endplates", "axis"]

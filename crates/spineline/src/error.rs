@@ -12,7 +12,7 @@ use crate::warning::Step;
 pub use crate::fault::ErrorPlace;
 
 faults! {
-    /// A case whose films do not fit together.
+    /// A case whose films do not fit together, or not the options.
     pub enum CaseError {
         /// No erect film.
         #[error("the erect film, the reference of every posture, is missing")]
@@ -28,6 +28,11 @@ faults! {
             /// The posture.
             posture: Posture,
         },
+        /// Two options that each fix the level of stiffness and force.
+        #[error("a loaded reference and a known force both fix the level of stiffness and force")]
+        #[code("weight_and_known_force")]
+        #[help("leave out one of the two options")]
+        WeightAndKnownForce,
         /// An age that no patient can have.
         #[error("the age of the patient is {age_years} years, and must be from 0 to {limit_years}")]
         #[code("age")]

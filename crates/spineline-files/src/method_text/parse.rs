@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use spineline::action::LineOfAction;
+use spineline::analysis::Reference;
 use spineline::anatomy::{Level, Named, Posture, Region};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{OrderRule, Site};
@@ -130,6 +131,22 @@ pub(super) fn gauge(text: &str) -> Result<Gauge, String> {
         return Err("the erect film has no force: all others are measured from it; name the film on which the force was measured".to_owned());
     }
     Ok(Gauge::KnownForce { posture, force_n })
+}
+
+/// Masses of patients, in kg.
+const BODY_MASSES_KG: std::ops::RangeInclusive<f64> = 10.0..=250.0;
+
+/// `unloaded` or `loaded:KG`.
+pub(super) fn reference(text: &str) -> Result<Reference, String> {
+    if text == "unloaded" {
+        return Ok(Reference::Unloaded);
+    }
+    let mass =
+        text.strip_prefix("loaded:").and_then(|mass| number(mass.trim_end_matches("kg")).ok());
+    match mass.filter(|mass| BODY_MASSES_KG.contains(mass)) {
+        Some(body_mass_kg) => Ok(Reference::Loaded { body_mass_kg }),
+        None => Err("expected `unloaded`, or `loaded:KG` with the mass of the body from 10 to 250 kg, such as loaded:50".to_owned()),
+    }
 }
 
 /// A minimum angle of a curve in degrees.

@@ -1,6 +1,7 @@
 //! Values of options as text that [`parse`](super::parse) reads; empty if no word gives them.
 
 use spineline::action::LineOfAction;
+use spineline::analysis::Reference;
 use spineline::anatomy::{Named, Posture, Region};
 use spineline::clinical::{EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
@@ -26,6 +27,14 @@ pub(super) fn gauge(gauge: Gauge) -> String {
     match gauge {
         Gauge::KnownForce { posture, force_n } => format!("{key}:{}={force_n}", posture.key()),
         Gauge::GeometricMean | Gauge::FrozenForce => key,
+    }
+}
+
+pub(super) fn reference(reference: Reference) -> String {
+    let key = reference.key();
+    match reference {
+        Reference::Unloaded => key.to_owned(),
+        Reference::Loaded { body_mass_kg } => format!("{key}:{body_mass_kg}"),
     }
 }
 

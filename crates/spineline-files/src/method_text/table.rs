@@ -9,7 +9,7 @@ use spineline::personalize::FitTarget;
 
 use super::parse::{
     curve_turn, end_vertebrae, film_lengths, gauge, given_lines, hypotheses, inflection_sites,
-    named, order_rule, prior,
+    named, order_rule, prior, reference,
 };
 use super::{show, words};
 use crate::{FileError, StoredRotationPrior, parse_rotation_prior, parse_stiffness};
@@ -143,7 +143,7 @@ pub fn departures<'a>(
 }
 
 /// All options of the method, in the order of the help of the command line. The first one sets all others.
-pub const OPTIONS: [MethodOption; 17] = [
+pub const OPTIONS: [MethodOption; 18] = [
     MethodOption {
         name: "method",
         title: "Method",
@@ -203,6 +203,19 @@ pub const OPTIONS: [MethodOption; 17] = [
         read_file: None,
         show: |options| show::spelling(options.support),
         words: |options| words::named(options.support),
+    },
+    MethodOption {
+        name: "reference",
+        title: "Reference",
+        help: "Load on the springs in the shape of the erect film: `unloaded` (the paper), or `loaded:KG`, the weight of trunk, head and arms of a body of this mass, such as loaded:50. All other films are then without this weight: the patient lies. Leave it out for bends of a standing patient",
+        value_name: "unloaded|loaded:KG",
+        values: OptionValues::Text(&["unloaded", "loaded:50"]),
+        may_repeat: false,
+        of_a_study: true,
+        read: |options, text| reference(text).map(|it| options.reference = it),
+        read_file: None,
+        show: |options| show::reference(options.reference),
+        words: |options| words::reference(options.reference),
     },
     MethodOption {
         name: "fit",

@@ -1,6 +1,7 @@
 //! Values of options in the words of a report.
 
 use spineline::action::LineOfAction;
+use spineline::analysis::Reference;
 use spineline::anatomy::{Named, Posture};
 use spineline::clinical::EndChoice;
 use spineline::curve::{InflectionChoice, OrderRule};
@@ -41,6 +42,15 @@ pub(super) fn gauge(gauge: Gauge) -> String {
         Gauge::KnownForce { posture, force_n } => {
             format!("the force of the {posture} film is {force_n} N")
         }
+    }
+}
+
+pub(super) fn reference(reference: Reference) -> String {
+    match reference {
+        Reference::Unloaded => "springs are unstressed on the erect film (the paper)".to_owned(),
+        Reference::Loaded { body_mass_kg } => format!(
+            "springs carry the trunk of a body of {body_mass_kg} kg on the erect film; all other films are without this weight"
+        ),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 use spineline::action::LineOfAction;
-use spineline::analysis::{AnalysisOptions, Grouping, analyze};
+use spineline::analysis::{AnalysisOptions, Grouping, Reference, analyze};
 use spineline::anatomy::{Level, Levels, Posture};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
@@ -58,6 +58,7 @@ fn odd_options() -> AnalysisOptions {
         min_curve: Angle::from_deg(4.1),
         library: StiffnessLibrary::from_rows(rows.collect()).expect("sound springs"),
         support: Support::Free,
+        reference: Reference::Loaded { body_mass_kg: 47.5 },
         gauge: Gauge::KnownForce { posture: Posture::Traction, force_n: 117.3 },
         target: FitTarget::Ferguson,
         grouping: Grouping::PerJoint,

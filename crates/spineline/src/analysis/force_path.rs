@@ -53,7 +53,7 @@ impl Analysis {
         let options = &self.options;
         let logs = &model.fit.log_multipliers;
         let statics = Statics::new(
-            &self.movement.spine,
+            self.movement.spine_of_films(),
             &self.movement.library,
             &model.groups,
             logs,

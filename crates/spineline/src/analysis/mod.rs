@@ -49,7 +49,7 @@ pub use line_model::LineModel;
 pub(crate) use measured::Replicated;
 pub use models_verdict::ModelsVerdict;
 pub use movement::{FilmMovement, Movement};
-pub use options::{AnalysisOptions, Grouping, Method};
+pub use options::{AnalysisOptions, Grouping, Method, Reference};
 pub use personalised_model::{FilmLoad, PersonalisedModel, SimulationError};
 pub use preferred_line::{LineComparison, LineCrossing, PreferredLine};
 pub use result::Analysis;

@@ -2,8 +2,8 @@
 
 use super::checks::warn_of_unknown_rotation;
 use super::measured::{at_erect_length, measure, widths_mm};
-use super::{AnalysisOptions, Case, Grouping, PreferredLine, Replicated};
-use crate::anatomy::{Level, Levels, Posture, Region, SagittalProfile};
+use super::{AnalysisOptions, Case, Grouping, PreferredLine, Reference, Replicated};
+use crate::anatomy::{Level, Levels, Posture, Region, SagittalProfile, trunk_weight_shares};
 use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
     Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions,
@@ -12,15 +12,16 @@ use crate::clinical::{
 use crate::curve::{
     CurveFit, InflectionChoice, InflectionIntervals, Inflections, find_inflections, fit_curve,
 };
-use crate::error::Error;
+use crate::error::{CaseError, Error};
 use crate::measure::{
     AxialRotation, FilmReadings, LengthScale, Outline, SpacingPlane, SpatialOutline,
     axial_rotations,
 };
 use crate::motion::{Motion, SegmentEstimate, least_windows, mean_least};
 use crate::multibody::{FittedSprings, JointGroups, SpineModel, StiffnessLibrary};
+use crate::personalize::Gauge;
 use crate::personalize::evidence::FilmEvidence;
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::{Angle, Frontal, Vec3};
 use crate::warning::{WarningCode, Warnings};
 
 /// The film of one posture, with its curve and its movement.
@@ -73,8 +74,10 @@ pub struct Movement {
     pub balance: Option<Balance>,
     /// Lenke's type as far as the films show it.
     pub lenke: Option<LenkeType>,
-    /// The unloaded spine.
+    /// The erect spine.
     pub spine: SpineModel,
+    /// The same with springs that carry the weight of the trunk, of which all other films are free; `None` where nothing is carried.
+    pub loaded_spine: Option<SpineModel>,
     /// Axial rotations of the vertebrae whose pedicles are marked on the erect film; empty, and unknown, without marks.
     pub axial: Vec<AxialRotation>,
     /// Widths of its bodies between the corners of the erect film, the base first; `None` where no person placed them. Empty if that
@@ -110,6 +113,7 @@ impl Movement {
         let films: Vec<FilmMovement> = outlines.into_iter().zip(fits).map(unmoved).collect();
         let erect = &films[0];
         let UnloadedSpine { spine, space, axial } = unloaded_spine(case, &erect.outline, warnings)?;
+        let loaded_spine = loaded_spine(&spine, &erect.outline, options, warnings)?;
         if space.is_some() && axial.is_empty() {
             warn_of_unknown_rotation(&clinical, warnings);
         }
@@ -136,6 +140,7 @@ impl Movement {
             regions,
             clinical,
             spine,
+            loaded_spine,
             axial,
             space,
         };
@@ -149,7 +154,8 @@ impl Movement {
         let windows = least_windows(&erect.fit, &erect.pose);
         for film in &mut *moved {
             film.motion = Some(Motion::between(&erect.pose, &film.pose, &windows));
-            let (spine, library) = (&self.spine, &self.library);
+            let (spine, library) =
+                (self.loaded_spine.as_ref().unwrap_or(&self.spine), &self.library);
             film.evidence =
                 Some(FilmEvidence::measure(spine, library, &erect.outline, &film.outline));
         }
@@ -254,9 +260,15 @@ impl Movement {
         self.clinical.iter().map(|curve| (curve.region, curve.ends)).collect()
     }
 
-    /// The unloaded spine with springs in groups.
+    /// The spine of the films other than the erect one, with the moments that its springs carry on that one.
+    #[must_use]
+    pub fn spine_of_films(&self) -> &SpineModel {
+        self.loaded_spine.as_ref().unwrap_or(&self.spine)
+    }
+
+    /// This spine with springs in groups.
     pub(super) fn springs<'a>(&'a self, groups: &'a JointGroups) -> FittedSprings<'a> {
-        let (model, erect) = (&self.spine, &self.erect().outline);
+        let (model, erect) = (self.spine_of_films(), &self.erect().outline);
         FittedSprings { model, erect, library: &self.library, groups }
     }
 
@@ -346,6 +358,32 @@ fn unloaded_spine(
         None => SpineModel::from_outline(erect, &profile),
     };
     Ok(UnloadedSpine { spine, space, axial })
+}
+
+/// Weight of 1 kg, in N.
+const STANDARD_GRAVITY_M_S2: f64 = 9.806_65;
+
+/// The spine whose springs carry the weight of the trunk, along the vertical of the erect film.
+fn loaded_spine(
+    spine: &SpineModel,
+    erect: &Outline,
+    options: &AnalysisOptions,
+    warnings: &mut Warnings,
+) -> Result<Option<SpineModel>, CaseError> {
+    let Reference::Loaded { body_mass_kg } = options.reference else { return Ok(None) };
+    if matches!(options.gauge, Gauge::KnownForce { .. }) {
+        return Err(CaseError::WeightAndKnownForce);
+    }
+    if erect.vertical.is_none() {
+        let text = "the film has locations and tilts but no picture: the weight acts along the vertical of their frame";
+        warnings.film(WarningCode::VerticalAssumed, Posture::Erect, text);
+    }
+    let weight_n = body_mass_kg * STANDARD_GRAVITY_M_S2;
+    let down = Frontal::new(0.0, -1.0).rotated(-erect.l4_on_film) * weight_n;
+    let weight = |share| Vec3::new(0.0, down.y_mm, down.z_mm) * share;
+    let weights_n: Vec<Vec3> =
+        trunk_weight_shares(erect.levels()).into_iter().map(weight).collect();
+    Ok(Some(spine.clone().carrying(&weights_n)))
 }
 
 fn inflections_of(

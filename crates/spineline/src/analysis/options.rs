@@ -48,6 +48,30 @@ impl Method {
     }
 }
 
+/// What the springs carry in the shape of the erect film, from which all rotations are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Reference {
+    /// Nothing.
+    #[default]
+    Unloaded,
+    /// The weight of trunk, head and arms, which acts on no other film: the patient lies on them.
+    Loaded {
+        /// Mass of the whole body.
+        body_mass_kg: f64,
+    },
+}
+
+impl Reference {
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Unloaded => "unloaded",
+            Self::Loaded { .. } => "loaded",
+        }
+    }
+}
+
 /// Every choice of an analysis, each with its default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnalysisOptions {
@@ -69,6 +93,8 @@ pub struct AnalysisOptions {
     pub library: StiffnessLibrary,
     /// What holds the patient.
     pub support: Support,
+    /// What the springs carry in the shape of the erect film.
+    pub reference: Reference,
     /// The scale constraint, which fixes the overall level of stiffness and force.
     pub gauge: Gauge,
     /// What is fitted.
@@ -111,6 +137,8 @@ impl AnalysisOptions {
             library: StiffnessTable::MotionSegments.library(),
             // 3.2: all degrees of freedom of L4 are fixed; all other vertebrae move.
             support: Support::Free,
+            // 3.2: the springs are unstressed in the erect posture; the weight of the trunk is not mentioned.
+            reference: Reference::Unloaded,
             // 3.2: not stated; films without a known force show ratios of stiffness only.
             gauge: Gauge::GeometricMean,
             // Introduction and 3.2: Ferguson angles in three regions, with the amplitude of the bend reproduced.
@@ -158,6 +186,7 @@ impl Default for AnalysisOptions {
             ends: EndChoice::default(),
             library: StiffnessLibrary::default(),
             support: Support::default(),
+            reference: Reference::default(),
             gauge: Gauge::default(),
             target: FitTarget::default(),
             grouping: Grouping::default(),

@@ -46,7 +46,7 @@ pub struct PersonalisedModel {
     pub curves: Option<Vec<CurvePlaces>>,
     /// Support of the patient.
     pub support: Support,
-    /// Loads that were found, one per simulated posture.
+    /// Loads that were found, one per simulated posture; empty where the erect film alone carries the weight of the trunk.
     pub loads: Vec<FilmLoad>,
 }
 
@@ -112,7 +112,11 @@ impl Analysis {
         }
     }
 
+    /// Loads of the films; empty where the springs are stressed on the erect film alone.
     fn film_loads(&self, line: &LineModel) -> Vec<FilmLoad> {
+        if self.movement.loaded_spine.is_some() {
+            return Vec::new();
+        }
         let top_x_mm = self.movement.spine.midpoints_mm.last().map_or(0.0, |top| top.x);
         let load = |film: &Simulation| {
             let line = self.line_in_model(film);

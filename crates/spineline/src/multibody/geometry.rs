@@ -13,6 +13,8 @@ pub struct Joint {
     pub rise_in_inferior_mm: Vec3,
     /// The superior vertebra's axes in the erect posture, in the inferior vertebra's axes.
     pub inferior_from_superior: Mat3,
+    /// Moments of its springs about x, y and z in the erect posture; zero where they are unstressed.
+    pub erect_moment_nmm: Vec3,
 }
 
 /// The unloaded spine of one patient: vertebrae in the erect posture, and the joints between them.
@@ -162,11 +164,38 @@ impl SpineModel {
                         * (midpoints_mm[i + 1] - midpoints_mm[i])
                         - centre_in_inferior_mm,
                     inferior_from_superior: inferior_from_global * axes[i + 1],
+                    erect_moment_nmm: Vec3::zeros(),
                 }
             })
             .collect();
         let uncertain = vec![None; midpoints_mm.len()];
         Self { uncertain, shared_errors: None, midpoints_mm, axes, joints }
+    }
+
+    /// The same spine with springs that balance forces on the midpoints above the base in the erect posture.
+    ///
+    /// # Definition
+    /// With the forces `F_v` at the midpoints `p_v`, the joint with centre `c` has the moments `Σ (p_v - c) × F_v` over all vertebrae
+    /// above it, in the axes of its inferior vertebra.
+    ///
+    /// # Assumption
+    /// The muscles of the back balance the moment about the flexion hinge, whose spring is unstressed.
+    #[must_use]
+    pub fn carrying(mut self, forces_n: &[Vec3]) -> Self {
+        let centres = self.joint_centres_mm(&self.midpoints_mm, &self.axes);
+        for (j, (joint, centre)) in self.joints.iter_mut().zip(centres).enumerate() {
+            let above = self.midpoints_mm[j + 1..].iter().zip(&forces_n[j..]);
+            let moment: Vec3 = above.map(|(place, force)| (place - centre).cross(force)).sum();
+            let moment = self.axes[j].transpose() * moment;
+            joint.erect_moment_nmm = Vec3::new(moment.x, 0.0, moment.z);
+        }
+        self
+    }
+
+    /// Whether its springs carry anything in the erect posture.
+    #[must_use]
+    pub fn is_stressed(&self) -> bool {
+        self.joints.iter().any(|joint| joint.erect_moment_nmm != Vec3::zeros())
     }
 
     /// Centres of the joints of vertebrae that stand like this, such as a shape under load.

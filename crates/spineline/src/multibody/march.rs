@@ -6,12 +6,12 @@
 //!
 //! ```text
 //! m       = M - c x F                      moment about the joint
-//! theta_x = m . e_x           / k_x        lateral hinge
-//! theta_y = m . (R_x e_y)     / k_y        flexion hinge
-//! theta_z = m . (R_x R_y e_z) / k_z        axial hinge
+//! theta_x = (m . e_x           - s_x) / k_x        lateral hinge
+//! theta_y = (m . (R_x e_y)     - s_y) / k_y        flexion hinge
+//! theta_z = (m . (R_x R_y e_z) - s_z) / k_z        axial hinge
 //! ```
 //!
-//! `R_x` and `R_y` turn by `theta_x` and `theta_y`, and all three hinges turn what lies above the joint. Each angle depends on those
+//! `s` are the moments of the springs in the erect posture ([`Joint::erect_moment_nmm`]). `R_x` and `R_y` turn by `theta_x` and `theta_y`, and all three hinges turn what lies above the joint. Each angle depends on those
 //! before it alone, so that one pass gives the equilibrium. In a coupled joint ([`JointStiffness`](super::JointStiffness)) the axial
 //! spring is unstressed at `r theta_x`, and `theta_x` is the root of one equation.
 //!
@@ -25,6 +25,8 @@
 //! theta' = (m' . e + w . (e x m)) / k,  then w + e theta' for the next hinge
 //! ```
 
+#[cfg(doc)]
+use super::Joint;
 use super::statics::Hinges;
 use super::{Parameter, Solution, Statics, Wrench};
 use crate::spatial::{Mat3, Vec3, sin_cos};
@@ -39,9 +41,10 @@ struct Turned {
 }
 
 impl Hinges {
-    /// Turns the hinges by a moment about the joint; `axes` are the inferior vertebra's.
+    /// Turns the hinges by a moment about the joint, less the springs' moments in the erect posture; `axes` are the inferior
+    /// vertebra's.
     #[inline(always)]
-    fn turn(&self, axes: &Mat3, moment_nmm: &Vec3) -> Turned {
+    fn turn(&self, axes: &Mat3, moment_nmm: &Vec3, erect_nmm: &Vec3) -> Turned {
         let [mut x, mut y, mut z] = [0, 1, 2].map(|i| Vec3::from(axes.column(i)));
         // Components along the axes, which turn as the axes do.
         let [mut m_x, mut m_y, mut m_z] = [x, y, z].map(|axis| moment_nmm.dot(&axis));
@@ -49,17 +52,17 @@ impl Hinges {
         let ratio = self.axial_per_lateral;
         let hinge_x = x;
         let theta_x = if ratio == 0.0 {
-            c_x * m_x
+            c_x * (m_x - erect_nmm.x)
         } else {
-            coupled_lateral(&[m_x, m_y, m_z], &self.compliance, ratio)
+            coupled_lateral(&[m_x, m_y, m_z], erect_nmm, &self.compliance, ratio)
         };
         turn_pair([&mut y, &mut z], [&mut m_y, &mut m_z], theta_x);
         let (hinge_y, mut hinge_z, mut theta_y, mut theta_z) = (y, z, 0.0, 0.0);
         if !self.is_frontal() {
-            theta_y = c_y * m_y;
+            theta_y = c_y * (m_y - erect_nmm.y);
             turn_pair([&mut z, &mut x], [&mut m_z, &mut m_x], theta_y);
             hinge_z = z;
-            theta_z = ratio * theta_x + c_z * m_z;
+            theta_z = ratio * theta_x + c_z * (m_z - erect_nmm.z);
             turn_pair([&mut x, &mut y], [&mut m_x, &mut m_y], theta_z);
         }
         Turned {
@@ -86,19 +89,27 @@ fn turn_pair([a, b]: [&mut Vec3; 2], [m_a, m_b]: [&mut f64; 2], angle_rad: f64) 
 /// The lateral angle of a coupled joint under a moment in the axes of its inferior vertebra: the root of
 ///
 /// ```text
-/// f(θ) = θ - C_x (m_x + r (m_x sin θ_y + q cos θ_y)),  θ_y = C_y (m_y cos θ + m_z sin θ),  q = m_z cos θ - m_y sin θ
+/// f(θ) = θ - C_x (m_x - s_x + r (m_x sin θ_y + q cos θ_y - s_z))
+/// θ_y = C_y (m_y cos θ + m_z sin θ - s_y),  q = m_z cos θ - m_y sin θ
 /// ```
 ///
 /// by Newton, kept between bounds of opposite sign.
-fn coupled_lateral([mx, my, mz]: &[f64; 3], compliance: &[f64; 3], ratio: f64) -> f64 {
-    let size = compliance[0] * Vec3::new(*mx, *my, *mz).norm() * (1.0 + ratio.abs());
+fn coupled_lateral(
+    [mx, my, mz]: &[f64; 3],
+    erect: &Vec3,
+    compliance: &[f64; 3],
+    ratio: f64,
+) -> f64 {
+    let moments = Vec3::new(*mx, *my, *mz).norm() + erect.norm();
+    let size = compliance[0] * moments * (1.0 + ratio.abs());
     let (mut low, mut high) = (-size, size);
-    let mut angle = (compliance[0] * (mx + ratio * mz)).clamp(low, high);
+    let mut angle = (compliance[0] * (mx - erect.x + ratio * (mz - erect.z))).clamp(low, high);
     for _ in 0..60 {
         let (s, c) = sin_cos(angle);
         let (p, q) = (my * c + mz * s, mz * c - my * s);
-        let (sy, cy) = sin_cos(compliance[1] * p);
-        let value = angle - compliance[0] * (mx + ratio * (mx * sy + q * cy));
+        let (sy, cy) = sin_cos(compliance[1] * (p - erect.y));
+        let axial = mx * sy + q * cy - erect.z;
+        let value = angle - compliance[0] * (mx - erect.x + ratio * axial);
         if value > 0.0 {
             high = angle;
         } else {
@@ -160,7 +171,7 @@ impl Statics<'_> {
             let arm = axes * joint.centre_in_inferior_mm;
             let centre = midpoint + arm;
             let moment = wrench.moment_nmm - centre.cross(force);
-            let turned = hinges.turn(&axes, &moment);
+            let turned = hinges.turn(&axes, &moment, &joint.erect_moment_nmm);
             let rise = turned.axes * joint.rise_in_inferior_mm;
             axes = turned.axes * joint.inferior_from_superior;
             midpoint = centre + rise;

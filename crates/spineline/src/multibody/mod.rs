@@ -3,7 +3,8 @@
 //! # Model
 //! L4 is fixed. Each of the 14 joints sits at the posterior edge of the inferior vertebra's superior endplate and is
 //! three hinges in series, x (lateral), y (flexion), z (axial), in the inferior vertebra's anatomical axes, with a
-//! linear torsion spring on each, unstressed in the erect posture; lateral and axial spring may be coupled ([`JointStiffness`]). The force is carried by rigid T2.
+//! linear torsion spring on each, unstressed in the erect posture or stressed by the weight of the trunk ([`SpineModel::carrying`]);
+//! lateral and axial spring may be coupled ([`JointStiffness`]). The force is carried by rigid T2.
 //!
 //! # Statics
 //! A line fixed in space is a constant spatial wrench, so the moment `m` about a joint depends only on the joint's own

@@ -95,7 +95,7 @@ impl<'a> JointResponses<'a> {
             let row = Vector3::from(*response) * (-log_multipliers[group]).exp();
             let weighed = row * self.evidence.joint_weight(j);
             normal += weighed * row.transpose();
-            right += weighed * joint.rotation.rad();
+            right += weighed * joint.rotation_by_load().rad();
         }
         for component in 0..3 {
             if normal[(component, component)] == 0.0 {
@@ -119,7 +119,7 @@ impl<'a> JointResponses<'a> {
         for (j, ((joint, response), &group)) in joints.enumerate() {
             let weight = weight * self.evidence.joint_weight(j);
             let nominal = Vector3::from(*response).dot(load);
-            sums[group].0 += weight * nominal * joint.rotation.rad();
+            sums[group].0 += weight * nominal * joint.rotation_by_load().rad();
             sums[group].1 += weight * nominal * nominal;
         }
         sums

@@ -12,6 +12,8 @@ use crate::spatial::{Angle, Frontal, Vec3};
 pub struct JointEvidence {
     /// Change of the angle between the two vertebrae from the erect film; positive turns the upper one to the right.
     pub rotation: Angle,
+    /// The part of it by which the nominal springs relax without the weight that they carry in the erect posture.
+    pub unloading: Angle,
     /// Centre of the joint on the film.
     pub centre_mm: Vec3,
     /// Across the disc: along the line between the midpoints, as long as the disc is thick.
@@ -22,6 +24,14 @@ pub struct JointEvidence {
     pub hinge: Vec3,
     /// Nominal lateral compliance, as it shows on the film.
     pub compliance_rad_per_nmm: f64,
+}
+
+impl JointEvidence {
+    /// The rotation by the load of the film.
+    #[must_use]
+    pub fn rotation_by_load(&self) -> Angle {
+        self.rotation - self.unloading
+    }
 }
 
 /// A film's joints.
@@ -79,7 +89,7 @@ pub struct ContradictedJoint {
     pub inferior: Level,
     /// Upper vertebra.
     pub superior: Level,
-    /// Measured rotation.
+    /// Measured rotation by the load.
     pub rotation: Angle,
     /// Lever arm of the force about the joint, signed so that a positive one would turn it the measured way.
     pub lever_arm_mm: f64,
@@ -120,15 +130,19 @@ impl FilmEvidence {
                 let along = (superior - inferior) * (1.0 / spacing_mm);
                 let centre = Frontal::new(centre_mm.y, centre_mm.z);
                 let on_chord = inferior + along * (centre - inferior).dot(along);
+                // A hinge that is pitched out of the film shows only a part of its turn.
+                let compliance_rad_per_nmm = hinge.x / row.nmm_per_rad[0];
+                let erect_nmm = &joint.erect_moment_nmm;
+                let carried_nmm = erect_nmm.x + row.axial_per_lateral * erect_nmm.z;
                 JointEvidence {
                     rotation: moved(j + 1) - moved(j),
+                    unloading: Angle::from_rad(-compliance_rad_per_nmm * carried_nmm),
                     centre_mm,
                     disc_mm: along * disc_mm(film.vertebrae[j].level, spacing_mm),
                     // Tangents at the ends of an arc meet three times as far from its chord as the arc is on the mean.
                     to_evener_mm: (on_chord - centre) * (2.0 / 3.0),
                     hinge,
-                    // A hinge that is pitched out of the film shows only a part of its turn.
-                    compliance_rad_per_nmm: hinge.x / row.nmm_per_rad[0],
+                    compliance_rad_per_nmm,
                 }
             })
             .collect();
@@ -217,13 +231,14 @@ impl FilmEvidence {
                 turn / joint.compliance_rad_per_nmm / force
             })
             .collect();
-        let work = |j: usize| (arms[j] * self.joints[j].rotation.rad()).abs();
+        let turn = |j: usize| self.joints[j].rotation_by_load();
+        let work = |j: usize| (arms[j] * turn(j).rad()).abs();
         let total: f64 = (0..arms.len()).map(work).sum();
         (0..arms.len())
             // A joint that turns only by rounding does not contradict the load.
-            .filter(|&j| arms[j] * self.joints[j].rotation.rad() < -1e-9 * total)
+            .filter(|&j| arms[j] * turn(j).rad() < -1e-9 * total)
             .map(|j| {
-                let rotation = self.joints[j].rotation;
+                let rotation = turn(j);
                 ContradictedJoint {
                     inferior: self.levels.as_slice()[j],
                     superior: self.levels.as_slice()[j + 1],
@@ -248,6 +263,7 @@ mod tests {
         let shift = Frontal::new(0.7, -1.3);
         let joint = JointEvidence {
             rotation: Angle::ZERO,
+            unloading: Angle::ZERO,
             centre_mm: Vec3::new(5.0, 20.0, 150.0),
             disc_mm: shift,
             to_evener_mm: Frontal::default(),

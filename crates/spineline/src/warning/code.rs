@@ -197,6 +197,8 @@ warning_codes! {
         SpringsStick = "springs_stick": Warning;
         /// A strap pushes in a simulated shape, where a real strap is slack.
         StrapPushes = "strap_pushes": Warning;
+        /// The erect film has no picture, and the weight on it acts along the vertical of its frame.
+        VerticalAssumed = "vertical_assumed": Warning;
         /// A simulation adds the weight of the patient to an erect shape that already carried it.
         WeightOnTop = "weight_on_top": Warning;
     }

@@ -25,7 +25,12 @@ fn draw_spine(draw: &mut Draw) -> SpineModel {
     let midpoints = model.midpoints_mm.iter().map(|place| place + draw_vector(draw, 4.0)).collect();
     let turn = |draw: &mut Draw| nalgebra::Rotation3::new(draw_vector(draw, 0.1)).into_inner();
     let axes = model.axes.iter().map(|axes| turn(draw) * axes).collect();
-    SpineModel::from_poses(midpoints, axes, &centres)
+    let model = SpineModel::from_poses(midpoints, axes, &centres);
+    // Half of the spines carry something in the erect posture.
+    if draw.below(2) == 0 {
+        return model;
+    }
+    model.carrying(&[(); 14].map(|()| draw_vector(draw, 20.0)))
 }
 
 #[test]

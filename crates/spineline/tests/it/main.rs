@@ -24,6 +24,7 @@ mod general_extremes;
 mod general_march;
 mod hidden_levels;
 mod hypothesis;
+mod loaded_reference;
 mod loaded_replicates;
 mod nearest_t2;
 mod oracle;

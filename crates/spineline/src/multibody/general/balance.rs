@@ -143,9 +143,22 @@ impl Balance<'_> {
             wrench += state.loads[j + 1].0;
             rate += state.loads[j + 1].1;
             state.above[j] = wrench;
-            state.residual[j] =
-                self.stiffness[j] * state.hinges[j] - state.twists[j].tr_mul(&wrench);
+            let erect = self.erect_moment_nmm(j);
+            let moment = state.twists[j].tr_mul(&wrench) - erect * factors.constant;
+            state.residual[j] = self.stiffness[j] * state.hinges[j] - moment;
             state.growth[j] = state.twists[j].tr_mul(&rate);
+            if factors.varies == Timing::Constant {
+                state.growth[j] -= erect;
+            }
+        }
+    }
+
+    /// Moments of the springs of a joint in the erect posture, which act as constant loads; locked hinges take no part.
+    fn erect_moment_nmm(&self, joint: usize) -> Vec3 {
+        let moment = self.model.joints[joint].erect_moment_nmm;
+        match self.support {
+            Support::Free => moment,
+            Support::Frontal => Vec3::x() * moment.x,
         }
     }
 

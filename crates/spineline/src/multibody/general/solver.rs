@@ -174,8 +174,8 @@ impl<'a> GeneralStatics<'a> {
         }
     }
 
-    /// Follows the branch of equilibria from the erect spine: first while the constant loads are applied, then as the
-    /// proportional ones grow.
+    /// Follows the branch of equilibria from the erect spine: first while the constant loads are applied and the springs' moments in
+    /// the erect posture relax, then as the proportional loads grow.
     ///
     /// The branch is followed past limit points; the solver never steps to another branch without saying so.
     ///
@@ -211,7 +211,7 @@ impl<'a> GeneralStatics<'a> {
             iterations: 0,
             is_complete: false,
         };
-        if loading.has_constant_loads() {
+        if loading.has_constant_loads() || self.model.is_stressed() {
             let factors = Factors { constant: 0.0, proportional: 0.0, varies: Timing::Constant };
             let once = PathOptions {
                 sign: ForceSign::Positive,

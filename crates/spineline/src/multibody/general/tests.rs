@@ -87,7 +87,8 @@ fn the_tangent_is_the_derivative_of_the_residual() {
     // Oracle: central differences; a step of 1e-5 rad leaves about 1e-10 of the residual's third derivative, and rounding
     // 1e-16 / 1e-5 of the largest moments.
     let mut draw = Draw(3);
-    let model = spine(&mut draw, 6);
+    let carried_n = [(); 6].map(|()| draw.vector(30.0));
+    let model = spine(&mut draw, 6).carrying(&carried_n);
     let (loading, stiffness) = (every_load(&mut draw, 6), springs(&mut draw, 6));
     let balance =
         Balance { model: &model, stiffness: &stiffness, support: Support::Free, loading: &loading };
@@ -109,12 +110,20 @@ fn the_tangent_is_the_derivative_of_the_residual() {
             assert!(off < 1e-8, "row {row}, column {column}: off by {off:e}");
         }
     }
-    // And by the factor.
-    let at = |proportional| residual(&balance, &state.hinges, &Factors { proportional, ..FACTORS });
-    let growth = state.growth.iter().flat_map(|g| [g.x, g.y, g.z]);
-    for (growth, (plus, minus)) in growth.zip(at(0.61).iter().zip(at(0.59))) {
-        // Linear in the factor but for straps, whose force is linear too.
-        assert!((growth + (plus - minus) / 0.02).abs() < 1e-6 * (1.0 + growth.abs()));
+    // And by each factor.
+    for varies in [Timing::Proportional, Timing::Constant] {
+        let factors = Factors { varies, ..FACTORS };
+        balance.evaluate(&factors, &mut state);
+        let at = |step: f64| {
+            let mut moved = factors;
+            moved.set_varied(factors.varied() + step);
+            residual(&balance, &state.hinges, &moved)
+        };
+        let growth = state.growth.iter().flat_map(|g| [g.x, g.y, g.z]);
+        for (growth, (plus, minus)) in growth.zip(at(0.01).iter().zip(at(-0.01))) {
+            // Linear in the factor but for straps, whose force is linear too.
+            assert!((growth + (plus - minus) / 0.02).abs() < 1e-6 * (1.0 + growth.abs()));
+        }
     }
 }
 

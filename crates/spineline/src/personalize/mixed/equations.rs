@@ -127,7 +127,8 @@ impl<'a> Model<'a> {
                 .map(|joint| all.each_ref().map(|of| RowVector3::from(of[joint])))
                 .collect::<Vec<_>>()
         };
-        let rotations = films.iter().flat_map(|film| &film.joints).map(|j| j.rotation.rad());
+        let rotations =
+            films.iter().flat_map(|film| &film.joints).map(|j| j.rotation_by_load().rad());
         let rotations = DVector::from_iterator(films.len() * joints, rotations);
         let responses: Vec<_> = films.iter().flat_map(of_film).collect();
         let precision = noise_covariance(films).cholesky().ok_or(NoLoads::Undetermined)?.inverse();
@@ -446,6 +447,7 @@ mod tests {
     fn rotations_that_a_load_adds_are_all_its_own() {
         // Oracle: generalised least squares are unbiased, so rotations by one load component change that component alone, by one.
         let joint = |k: usize| JointEvidence {
+            unloading: Angle::ZERO,
             rotation: Angle::from_deg(2.0 - (k as f64 * 1.7).cos()),
             centre_mm: Vec3::new(3.0, 5.0 * (k as f64).sin(), 30.0 * k as f64),
             disc_mm: Frontal::new(0.3, 6.0),
