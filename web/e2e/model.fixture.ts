@@ -195,6 +195,7 @@ export function modelView(): Api<"ModelView"> {
       depth_mm: DEPTHS[i]!,
       height_mm: HEIGHTS[i]!,
     })),
+    pitch_from: LEVELS.map(() => "population" as const),
     erect: ERECT,
     measured: [
       { posture: "left_bending", shape: curved(15, -41) },
