@@ -1,9 +1,9 @@
-import { Vector3 } from "three";
+import { Mesh, MeshPhongMaterial, Vector3 } from "three";
 import { expect, it } from "vitest";
 
 import { spine } from "../../../e2e/model.fixture";
 import { at, corner, type BodySize, type Point } from "../shapes";
-import { placement } from "./figure";
+import { Figure, Parts, placement, type Palette } from "./figure";
 import { archGeometry, bendDisc, bodyGeometry, discGeometry } from "./vertebra";
 
 const BODY: BodySize = { level: "T7", width_mm: 30, depth_mm: 20, height_mm: 10 };
@@ -34,6 +34,22 @@ it("draws a body in its measured size, with the arch behind it", () => {
   arch.computeBoundingBox();
   expect(arch.boundingBox?.max.x).toBeLessThan(0);
   expect(arch.boundingBox?.min.x).toBeLessThan(-20);
+});
+
+it("draws the assumed arch translucent, and the body opaque", () => {
+  const palette = { bone: "#ded7c8", force: "#ff8a80", measured: "#e6edf3" } as Palette;
+  const figure = new Figure(new Parts([BODY]), palette);
+  figure.dress({
+    tone: "erect",
+    faint: false,
+    discs: null,
+    contradicted: [],
+    chosenJoint: null,
+    chosenLevel: null,
+  });
+  const [body, arch] = at(figure.group.children, 0).children as Mesh[];
+  expect((body?.material as MeshPhongMaterial).opacity).toBe(1);
+  expect((arch?.material as MeshPhongMaterial).opacity).toBeLessThan(0.5);
 });
 
 it("fits a disc between the endplates of its two bodies", () => {

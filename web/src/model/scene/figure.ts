@@ -90,6 +90,8 @@ export interface FigureStyle {
 }
 
 const JOINT_RADIUS_MM = 2.2;
+/** Arches and processes are assumed: the films do not show them. */
+const ARCH_OPACITY = 0.4;
 
 /** One spine in the picture. */
 export class Figure {
@@ -116,6 +118,7 @@ export class Figure {
     for (let joint = 0; joint + 1 < parts.sizes.length; joint += 1) this.#addJoint(joint);
     for (const material of [this.#bone, this.#arch, this.#fixed, this.#chosen])
       hatch(material, () => this.#hatched);
+    fade(this.#arch, ARCH_OPACITY);
   }
 
   /** Objects that a pointer can hit: bodies and discs, with `level` or `joint` in their user data. */
@@ -151,8 +154,7 @@ export class Figure {
     this.#chosen.color.set(this.palette.force).lerp(bone, 0.45);
     this.#rim.color.set(this.palette.measured);
     this.#setHatched(style.tone === "not_a_result");
-    for (const material of [this.#bone, this.#arch, this.#fixed])
-      fade(material, style.faint ? 0.3 : 1);
+    for (const material of [this.#bone, this.#fixed]) fade(material, style.faint ? 0.3 : 1);
     this.#rims.forEach((rim) => (rim.visible = style.faint));
     this.#arches.forEach((arch) => (arch.visible = !style.faint));
     this.#bodyMeshes.forEach((body, index) => {
