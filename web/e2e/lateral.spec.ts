@@ -98,6 +98,11 @@ test(
       await page.setViewportSize({ width, height: 800 });
       await page.emulateMedia({ colorScheme });
       expect(await page.evaluate(() => document.scrollingElement!.scrollWidth)).toBe(width);
+      // Both films fill the page below their tools.
+      for (const film of [erect, lateral]) {
+        const box = await film.getByRole("application").boundingBox();
+        expect(box!.height).toBeGreaterThan(300);
+      }
       await expectAccessible(page);
       await shot(page, `lateral-${width}-${colorScheme}`);
     }
