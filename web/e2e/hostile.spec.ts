@@ -48,6 +48,7 @@ test(
 
     await page.getByRole("link", { name: /^model/i }).click();
     await expect(page.getByRole("heading", { level: 1, name: /^Model/ })).toBeVisible();
+    await page.getByRole("button", { name: "3D view" }).click();
     await expect(page.getByRole("application", { name: /three dimensions/ })).toBeVisible();
     for (const text of EVIL) await expect(page.getByText(text).first()).toBeAttached();
     await shot(page, "hostile-model");

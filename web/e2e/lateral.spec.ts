@@ -4,7 +4,7 @@ import path from "node:path";
 
 import type { Page } from "@playwright/test";
 
-import { expect, expectAccessible, runProgram, shot, test, type App } from "./app";
+import { expect, expectAccessible, expectReadable, runProgram, shot, test, type App } from "./app";
 import { FilmPage } from "./marking";
 
 const PATIENT = "phantom-rod-02";
@@ -69,6 +69,34 @@ async function withLateral(app: App, page: Page): Promise<void> {
   await app.start();
   await app.open(page);
 }
+
+/** What a complete lateral film does not show. */
+const ASSUMED = "Arches and sizes from front to back are assumed.";
+
+test("with a lateral film the model opens in 3D, and says what is assumed", async ({
+  app,
+  page,
+}) => {
+  await withLateral(app, page);
+  await page.goto(new URL(`#/studies/${PATIENT}/model`, app.address).href);
+  const view = page.getByRole("application", { name: "Spine in three dimensions" });
+  await expect(view.getByText(/^Seen /)).toBeVisible();
+  for (const [width, colorScheme] of [
+    [390, "light"],
+    [1280, "dark"],
+  ] as const) {
+    await page.setViewportSize({ width, height: 800 });
+    await page.emulateMedia({ colorScheme });
+    await expectReadable(page.getByText(ASSUMED, { exact: true }));
+    await expectAccessible(page);
+    // Drawn in full after a rest.
+    await page.waitForTimeout(1500);
+    await shot(page, `lateral-model-${width}-${colorScheme}`);
+  }
+  await page.getByRole("button", { name: "Flat views" }).click();
+  await expect(page.getByRole("img", { name: /^Sagittal/ })).toBeVisible();
+  await expect(page.locator("polygon.assumed")).toHaveCount(0);
+});
 
 test(
   "a lateral film beside the erect one: heights, the spine in space, corners and pedicles",

@@ -1,7 +1,7 @@
 import { chromium, type Locator, type Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { expectAccessible, expect, shot, test, type App } from "./app";
+import { expectAccessible, expect, expectReadable, shot, test, type App } from "./app";
 import { BROWSER, ENVIRONMENT } from "./browser";
 import { loadAnswer, modelView } from "./model.fixture";
 
@@ -36,8 +36,9 @@ async function openModel(app: App, page: Page): Promise<void> {
   await expect(page.getByRole("heading", { level: 1, name: /^Model/ })).toBeVisible();
 }
 
-/** The picture when it no longer changes. */
+/** The picture in 3D when it no longer changes; models without a lateral film open in flat views. */
 async function picture(page: Page): Promise<Locator> {
+  await page.getByRole("button", { name: "3D view" }).click();
   const view = page.getByRole("application", { name: "Spine in three dimensions" });
   await expect(view.getByText(/^Seen /)).toBeVisible();
   await steady(page, view);
@@ -119,6 +120,76 @@ test("a model is drawn, with its stiffness, its line and its force", async ({ ap
   expect(words.match(/only ratios are known/g)!.length).toBeGreaterThanOrEqual(3);
   await expectAccessible(page);
   await shot(page, "model-left-bending");
+});
+
+test("without a lateral film the model opens in flat views, and says what is assumed", async ({
+  app,
+  page,
+}) => {
+  await pretend(page);
+  await openModel(app, page);
+  const assumed = page.getByText("Depth and arches are assumed: no lateral film was measured.");
+  const sagittal = page.getByRole("img", { name: /^Sagittal/ });
+  await expect(sagittal).toBeVisible();
+  await expect(page.getByRole("application")).toHaveCount(0);
+  // Both spines are dotted in the sagittal view alone.
+  const outlines = sagittal.locator(".simulated polygon");
+  await expect(outlines).toHaveCount(15);
+  await expect(sagittal.locator(".simulated polygon.assumed")).toHaveCount(15);
+  await expect(page.locator("polygon.assumed")).toHaveCount(30);
+  await expect(page.getByText("assumed pitch")).toBeVisible();
+  // What needs the 3D view is not offered.
+  await expect(page.getByRole("button", { name: "Side by side" })).toHaveCount(0);
+  for (const [width, colorScheme] of [
+    [390, "light"],
+    [1280, "dark"],
+  ] as const) {
+    await page.setViewportSize({ width, height: 800 });
+    await page.emulateMedia({ colorScheme });
+    await expectReadable(assumed);
+    await expectAccessible(page);
+    await shot(page, `model-flat-${width}-${colorScheme}`);
+  }
+  await page.getByRole("button", { name: "Load by hand" }).click();
+  await expect(
+    page.getByText("Fill in the fields, or drag the ring at T7 in the 3D view."),
+  ).toBeVisible();
+  await page.getByRole("button", { name: /^Left bending/ }).click();
+
+  await picture(page);
+  await expectReadable(assumed);
+  await expect(page.getByText("assumed pitch")).toHaveCount(0);
+  await page.getByRole("button", { name: "Side by side" }).click();
+  // Flat views draw both spines over each other.
+  await page.getByRole("button", { name: "Flat views" }).click();
+  await expect(sagittal).toBeVisible();
+  await expect(page.getByRole("button", { name: "Overlaid" })).toHaveAttribute(
+    "aria-pressed",
+    "true",
+  );
+});
+
+test("a lateral film that shows a part of the spine leaves the rest assumed", async ({
+  app,
+  page,
+}) => {
+  const view = modelView();
+  const pitch_from = view.bodies.map(({ level }) =>
+    /^T[2-5]$/.test(level) ? ("population" as const) : ("lateral_film" as const),
+  );
+  await pretend(page, { ...view, pitch_from });
+  await openModel(app, page);
+  await expect(page.getByRole("application")).toBeVisible();
+  for (const width of [390, 1280]) {
+    await page.setViewportSize({ width, height: 800 });
+    await expectReadable(
+      page.getByText("The pitch of T2 to T5 is assumed: the lateral film does not show them."),
+    );
+  }
+  await page.getByRole("button", { name: "Flat views" }).click();
+  const assumed = page.getByRole("img", { name: /^Sagittal/ }).locator(".simulated .assumed");
+  await expect(assumed).toHaveCount(4);
+  await shot(page, "model-flat-partly-assumed");
 });
 
 test("the demo's model is computed and drawn, and responds to a load", async ({ app, page }) => {
@@ -375,6 +446,7 @@ test("without WebGL the model is shown in two dimensions with a message", async 
   const page = await context.newPage();
   await pretend(page);
   await openModel(app, page);
+  await page.getByRole("button", { name: "3D view" }).click();
   await expect(page.getByText(/cannot draw in 3D/)).toBeVisible();
   const frontal = page.getByRole("img", { name: /^Frontal, seen from behind/ });
   await expect(frontal).toBeVisible();
@@ -384,6 +456,7 @@ test("without WebGL the model is shown in two dimensions with a message", async 
   expect(await frontal.innerHTML()).not.toBe(before);
   await shot(page, "model-without-webgl");
   await page.getByRole("button", { name: "Load by hand" }).click();
+  await expect(page.getByText("Fill in the fields.", { exact: true })).toBeVisible();
   await page.getByLabel("Sideways, in rel. units").fill("40");
   await page.getByLabel("Sideways, in rel. units").press("Enter");
   await expect(page.getByText(/^Equilibrium, reached/)).toBeVisible();

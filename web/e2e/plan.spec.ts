@@ -164,6 +164,7 @@ test("the path is a slider, and the traction film is compared with its predictio
   await page.getByRole("button", { name: "3D", exact: true }).click();
   const space = page.getByRole("application", { name: "Spine in three dimensions" });
   await expect(space.getByText("Seen from behind")).toBeVisible();
+  await expect(page.getByText(/^Depth and arches are assumed/)).toBeVisible();
   await expect(
     page.getByText(/^Spine before and under the loads, seen from behind/),
   ).toBeAttached();

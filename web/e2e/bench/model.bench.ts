@@ -26,6 +26,7 @@ async function openLoad(page: Page): Promise<[number, number]> {
   await page.waitForURL(/#\/studies\/[^/]+\/measure/);
   const study = /#\/studies\/([^/]+)/.exec(page.url())?.[1];
   await page.evaluate((id) => (window.location.hash = `#/studies/${id}/model`), study);
+  await page.getByRole("button", { name: "3D view" }).click();
   await page.getByRole("button", { name: "Load by hand" }).click();
   const handle = page.getByRole("button", { name: /^Tip of the load/ });
   await handle.waitFor();

@@ -1,4 +1,5 @@
 import type { Api } from "../api/types";
+import { isPitchMeasured } from "./assumed";
 import { along, type Shape } from "./shapes";
 
 type LineKindName = Api<"LineKindName">;
@@ -23,14 +24,23 @@ export class Choice {
   /** Selected joint, counted from L4/L3. */
   joint = $state<number | null>(null);
   allLines = $state(true);
+  /** Whether flat views are chosen. */
   flat = $state(false);
+  /** Why the 3D view is missing, if it is. */
+  withoutGl = $state<string | null>(null);
 
   constructor(readonly view: Api<"ModelView">) {
+    this.flat = !isPitchMeasured(view);
     const automatic = view.lines.find((one) => one.converged && one.kind === view.automatic);
     const line = automatic ?? view.lines.find((one) => one.converged) ?? view.lines[0];
     if (line) this.kind = line.kind;
     const film = line?.postures.find((one) => one.fitted) ?? line?.postures[0];
     if (film) this.posture = film.posture;
+  }
+
+  /** Whether the picture is flat: by choice, or because the 3D view is missing. */
+  get isFlat(): boolean {
+    return this.flat || this.withoutGl !== null;
   }
 
   get line(): Api<"LineModelView"> | null {
