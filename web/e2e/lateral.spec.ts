@@ -4,6 +4,7 @@ import path from "node:path";
 
 import type { Page } from "@playwright/test";
 
+import type { Api } from "../src/api/types";
 import { expect, expectAccessible, expectReadable, runProgram, shot, test, type App } from "./app";
 import { FilmPage } from "./marking";
 
@@ -98,6 +99,24 @@ test("with a lateral film the model opens in 3D, and says what is assumed", asyn
   await expect(page.locator("polygon.assumed")).toHaveCount(0);
 });
 
+test("the spine in space names an unusable lateral film, also beside results of pedicles", async ({
+  app,
+  page,
+}) => {
+  await withLateral(app, page);
+  await page.route("**/model", async (route) => {
+    const answer = await route.fetch();
+    const view = (await answer.json()) as Api<"ModelView">;
+    const pitch_from = view.bodies.map(() => "population");
+    await route.fulfill({ json: { ...view, pitch_from } });
+  });
+  await page.goto(new URL(`#/studies/${PATIENT}/films`, app.address).href);
+  await page.getByLabel("Spine in space").check();
+  await expect(page.getByText(/^The lateral film shows no two neighbouring/)).toBeVisible();
+  await expect(page.getByText(/^Depth and arches are assumed/)).toBeVisible();
+  await expect(page.getByText("Kyphosis").first()).toBeVisible();
+});
+
 test(
   "a lateral film beside the erect one: heights, the spine in space, corners and pedicles",
   { tag: "@long" },
@@ -119,6 +138,7 @@ test(
     await expect(
       page.getByRole("application", { name: "Spine in three dimensions" }),
     ).toBeVisible();
+    await expect(page.getByText(ASSUMED, { exact: true })).toBeVisible();
     for (const [width, colorScheme] of [
       [390, "light"],
       [1280, "dark"],
