@@ -12,6 +12,9 @@ use crate::plan::Plan;
 use crate::tools::Tool;
 use crate::{python, web};
 
+/// The profile of everything that is given to people.
+const PROFILE: &str = "dist";
+
 /// The name of its Python environment.
 const ENVIRONMENT: &str = "package";
 
@@ -52,12 +55,12 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     let target = python::target()?;
     let flags = flags_without_places(root, &target)?;
     let flags = [("CARGO_ENCODED_RUSTFLAGS", flags.as_str())];
-    let program = ["build", "--release", "--locked", "--package", "spineline-cli"];
+    let program = ["build", "--profile", PROFILE, "--locked", "--package", "spineline-cli"];
     run(root, "cargo", &[&program[..], features].concat(), &flags)?;
     let scripts = root.join("python/spineline._native.data/scripts");
     let program = Path::new("spineline").with_extension(EXE_EXTENSION);
     fs::create_dir_all(&scripts).map_err(|error| format!("{}: {error}", scripts.display()))?;
-    let built = target.join("release");
+    let built = target.join(PROFILE);
     copy(&built.join(&program), &scripts.join(&program))?;
     let wheels = target.join("wheels");
     if wheels.exists() {
@@ -69,7 +72,7 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     let own = python::text(&scripts.join(&program))?;
     with_output(notices, || run(root, &own, &["licences"], &[]))?;
     let (out, folder) = (python::text(&wheels)?, python::text(&target)?);
-    let build = ["-m", "maturin", "build", "--release", "--out", &out];
+    let build = ["-m", "maturin", "build", "--profile", PROFILE, "--out", &out];
     let mut arguments = [&build[..], &["--interpreter", &interpreter]].concat();
     let others = others.iter().map(|other| interpreter_of(other)).collect::<Result<Vec<_>, _>>()?;
     arguments.extend(others.iter().map(String::as_str));
@@ -246,6 +249,8 @@ mod tests {
         let manifest = include_str!("../../Cargo.toml");
         let (_, release) = manifest.split_once("[profile.release]").expect("a profile");
         assert!(release.lines().take(5).any(|line| line == "strip = true"));
+        let (_, dist) = release.split_once("[profile.dist]").expect("a profile");
+        assert!(dist.lines().any(|line| line == "inherits = \"release\""));
         for package in ["spineline-cli = ", "spineline-py = "] {
             let mut own = release.lines().filter(|line| line.starts_with(package));
             assert!(own.all(|line| line.contains("strip = true")), "{package}");
@@ -258,7 +263,7 @@ mod tests {
             ("Dockerfile", include_str!("../../packaging/Dockerfile")),
             ("recipe.yaml", include_str!("../../packaging/conda/recipe.yaml")),
         ] {
-            let before = text.split("cargo build --release").next().expect("a part");
+            let before = text.split("cargo build --profile dist").next().expect("a part");
             assert!(before.len() < text.len(), "{name} builds");
             assert!(
                 before.contains("--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=cargo"),
