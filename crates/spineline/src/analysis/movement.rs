@@ -150,14 +150,15 @@ impl Movement {
 
     /// Step 4: the movement of every posture from the erect one.
     fn measure_rotations(&mut self) {
+        let (spine, erect) = (self.spine_of_films(), &self.erect().outline);
+        let measured =
+            |film: &FilmMovement| FilmEvidence::measure(spine, &self.library, erect, &film.outline);
+        let evidence: Vec<FilmEvidence> = self.films.iter().skip(1).map(measured).collect();
         let Some((erect, moved)) = self.films.split_first_mut() else { return };
         let windows = least_windows(&erect.fit, &erect.pose);
-        for film in &mut *moved {
+        for (film, evidence) in moved.iter_mut().zip(evidence) {
             film.motion = Some(Motion::between(&erect.pose, &film.pose, &windows));
-            let (spine, library) =
-                (self.loaded_spine.as_ref().unwrap_or(&self.spine), &self.library);
-            film.evidence =
-                Some(FilmEvidence::measure(spine, library, &erect.outline, &film.outline));
+            film.evidence = Some(evidence);
         }
         let bend = |posture: Posture| {
             moved.iter().find(|film| film.outline.posture == posture)?.motion.as_ref()
