@@ -219,4 +219,22 @@ export async function shot(page: Pictured, name: string): Promise<void> {
   if (process.env.SPINELINE_SHOTS) await page.screenshot({ path: `e2e/shots/${name}.png` });
 }
 
+/** Shows a page on a light phone and on a dark computer: checks it there, also by axe, and draws it. */
+export async function onPhoneAndComputer(
+  page: Page,
+  name: string,
+  check: (width: number) => Promise<void>,
+): Promise<void> {
+  for (const [width, colorScheme] of [
+    [390, "light"],
+    [1280, "dark"],
+  ] as const) {
+    await page.setViewportSize({ width, height: 800 });
+    await page.emulateMedia({ colorScheme });
+    await check(width);
+    await expectAccessible(page);
+    await shot(page, `${name}-${width}-${colorScheme}`);
+  }
+}
+
 export { expect };

@@ -5,7 +5,16 @@ import path from "node:path";
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { expect, expectAccessible, expectReadable, runProgram, shot, test, type App } from "./app";
+import {
+  expect,
+  expectAccessible,
+  expectReadable,
+  onPhoneAndComputer,
+  runProgram,
+  shot,
+  test,
+  type App,
+} from "./app";
 import { FilmPage } from "./marking";
 
 const PATIENT = "phantom-rod-02";
@@ -82,18 +91,11 @@ test("with a lateral film the model opens in 3D, and says what is assumed", asyn
   await page.goto(new URL(`#/studies/${PATIENT}/model`, app.address).href);
   const view = page.getByRole("application", { name: "Spine in three dimensions" });
   await expect(view.getByText(/^Seen /)).toBeVisible();
-  for (const [width, colorScheme] of [
-    [390, "light"],
-    [1280, "dark"],
-  ] as const) {
-    await page.setViewportSize({ width, height: 800 });
-    await page.emulateMedia({ colorScheme });
+  await onPhoneAndComputer(page, "lateral-model", async () => {
     await expectReadable(page.getByText(ASSUMED, { exact: true }));
-    await expectAccessible(page);
     // Drawn in full after a rest.
     await page.waitForTimeout(1500);
-    await shot(page, `lateral-model-${width}-${colorScheme}`);
-  }
+  });
   await page.getByRole("button", { name: "Flat views" }).click();
   await expect(page.getByRole("img", { name: /^Sagittal/ })).toBeVisible();
   await expect(page.locator("polygon.assumed")).toHaveCount(0);
@@ -139,21 +141,14 @@ test(
       page.getByRole("application", { name: "Spine in three dimensions" }),
     ).toBeVisible();
     await expect(page.getByText(ASSUMED, { exact: true })).toBeVisible();
-    for (const [width, colorScheme] of [
-      [390, "light"],
-      [1280, "dark"],
-    ] as const) {
-      await page.setViewportSize({ width, height: 800 });
-      await page.emulateMedia({ colorScheme });
+    await onPhoneAndComputer(page, "lateral", async (width) => {
       expect(await page.evaluate(() => document.scrollingElement!.scrollWidth)).toBe(width);
       // Both films fill the page below their tools.
       for (const film of [erect, lateral]) {
         const box = await film.getByRole("application").boundingBox();
         expect(box!.height).toBeGreaterThan(300);
       }
-      await expectAccessible(page);
-      await shot(page, `lateral-${width}-${colorScheme}`);
-    }
+    });
 
     await page.goto(new URL(`#/studies/${PATIENT}/measure`, app.address).href);
     const films = page.getByRole("navigation", { name: "Films" });

@@ -1,7 +1,15 @@
 import { chromium, type Locator, type Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { expectAccessible, expect, expectReadable, shot, test, type App } from "./app";
+import {
+  expectAccessible,
+  expect,
+  expectReadable,
+  onPhoneAndComputer,
+  shot,
+  test,
+  type App,
+} from "./app";
 import { BROWSER, ENVIRONMENT } from "./browser";
 import { loadAnswer, modelView } from "./model.fixture";
 
@@ -140,16 +148,7 @@ test("without a lateral film the model opens in flat views, and says what is ass
   await expect(page.getByText("assumed pitch")).toBeVisible();
   // What needs the 3D view is not offered.
   await expect(page.getByRole("button", { name: "Side by side" })).toHaveCount(0);
-  for (const [width, colorScheme] of [
-    [390, "light"],
-    [1280, "dark"],
-  ] as const) {
-    await page.setViewportSize({ width, height: 800 });
-    await page.emulateMedia({ colorScheme });
-    await expectReadable(assumed);
-    await expectAccessible(page);
-    await shot(page, `model-flat-${width}-${colorScheme}`);
-  }
+  await onPhoneAndComputer(page, "model-flat", () => expectReadable(assumed));
   await page.getByRole("button", { name: "Load by hand" }).click();
   await expect(
     page.getByText("Fill in the fields, or drag the ring at T7 in the 3D view."),
