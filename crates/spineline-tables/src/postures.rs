@@ -162,19 +162,19 @@ fn movement(add: &mut Columns<'_, PostureRow<'_>>) {
 
 fn own_line(add: &mut Columns<'_, PostureRow<'_>>) {
     add.number(
-        "preferred_line_lateral_tilt",
+        "best_fit_line_lateral_tilt",
         Unit::Degrees,
         "lateral tilt of the line of best fit to the rotations; positive to the patient's right",
-        |row| row.item.preferred_line.as_ref().map(|own| own.line.lateral_tilt().deg()),
+        |row| row.item.best_fit_line.as_ref().map(|own| own.line.lateral_tilt().deg()),
     );
     add.number(
-        "preferred_to_inflection_line",
+        "better_than_inflection_line",
         Unit::Degrees,
         "angle between this line and the inflection line",
         |row| row.item.line_comparison(LineKind::Inflection).map(|found| found.angle.deg()),
     );
     add.number(
-        "preferred_to_inflection_line",
+        "better_than_inflection_line",
         Unit::Millimetres,
         "distance of this line from the midpoint of the inflections",
         |row| row.item.line_comparison(LineKind::Inflection).map(|found| found.distance_mm),

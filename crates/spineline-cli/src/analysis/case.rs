@@ -11,14 +11,6 @@ use crate::run::failure::Failure;
 use crate::run::inputs::CaseInput;
 use crate::run::provenance::shown_name;
 
-/// Reads and analyses a case.
-///
-/// # Errors
-/// If the file does not hold a case, or the analysis fails.
-pub fn analyze_file(path: &Path, options: &AnalysisOptions) -> Result<Analysis, Failure> {
-    analyze_input(path, &CaseInput::read(path)?, options)
-}
-
 /// A case without a result, and what to do about it.
 pub struct Refusal {
     pub case: Box<RefusedCase>,

@@ -7,9 +7,9 @@ use spineline::analysis::{Analysis, AnalysisOptions};
 use spineline_report::patient::{film_warnings, films_table};
 use spineline_report::terminal::{self, Lines};
 
-use crate::analysis::case::analyze_file;
+use crate::analysis::case::analyze_input;
 use crate::run::failure::{Ending, Failure};
-use crate::run::inputs::case_files;
+use crate::run::inputs::{CaseInput, case_files};
 use crate::run::messages::say;
 use crate::run::outputs::{print, width};
 
@@ -28,7 +28,9 @@ pub struct CheckArgs {
 pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
     let mut ending = Ending::Done;
     for path in case_files(&args.cases)? {
-        match analyze_file(&path, &AnalysisOptions::default()) {
+        let analysis = CaseInput::read(&path)
+            .and_then(|input| analyze_input(&path, &input, &AnalysisOptions::default()));
+        match analysis {
             Ok(analysis) => {
                 print(text(&path, &analysis))?;
             }

@@ -2,7 +2,7 @@ use spineline::anatomy::Level;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use spineline::analysis::{FilmMovement, LineComparison, PreferredLine};
+use spineline::analysis::{BestFitLine, FilmMovement, LineComparison};
 use spineline::curve::{CurveFit, CurveForm};
 use spineline::measure::{
     FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra, Origin, SpacingSource,
@@ -53,7 +53,7 @@ pub(super) struct PostureRecord {
     /// MMS_Mean against the least-rotating ones.
     mean_least_estimates: Option<[EstimateRecord; 2]>,
     /// The line of best fit to the rotations, with tests of the line through the inflections.
-    preferred_line: Option<PreferredLineRecord>,
+    best_fit_line: Option<BestFitLineRecord>,
 }
 
 /// Scale of a film's lengths. An error of scale changes all of them by the same factor, and no angle.
@@ -152,7 +152,7 @@ struct EstimateRecord {
 /// The line of best fit to the film's rotations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-struct PreferredLineRecord {
+struct BestFitLineRecord {
     point_mm: [f64; 2],
     /// Cranial.
     direction: [f64; 2],
@@ -201,8 +201,8 @@ struct TestRecord {
     p_value: f64,
 }
 
-impl PreferredLineRecord {
-    fn new(found: &PreferredLine) -> Self {
+impl BestFitLineRecord {
+    fn new(found: &BestFitLine) -> Self {
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         Self {
             point_mm: [found.line.point.y_mm, found.line.point.z_mm],
@@ -350,7 +350,7 @@ impl PostureRecord {
             inflection_px: inflections(point_px),
             inflection_estimates: estimates(p.inflection_estimates),
             mean_least_estimates: estimates(p.mean_least_estimates),
-            preferred_line: p.preferred_line.as_ref().map(PreferredLineRecord::new),
+            best_fit_line: p.best_fit_line.as_ref().map(BestFitLineRecord::new),
         }
     }
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{Analysis, AnalysisOptions, FilmMovement, analyze};
 use spineline::anatomy::Posture;
-use spineline::personalize::{Crossing, PreferredLoads, ProposedLine};
+use spineline::personalize::{BestFitLoads, Crossing, ProposedLine};
 use spineline::spatial::Frontal;
 use spineline_phantom::{
     Build, Construction, Phantom, Readers, SUBJECTS, Scenario, TruePosture, generate_built,
@@ -116,7 +116,7 @@ fn count(kind: Kind, index: usize, seed: u64) -> BTreeMap<&'static str, [usize; 
         );
     }
     stiffness_held(phantom, analysis).into_iter().for_each(|held| add(STIFFNESS, held));
-    let loads = analysis.preferred_loads();
+    let loads = analysis.best_fit_loads();
     add(CONVERGED, loads.is_ok());
     let Ok(loads) = loads else { return counts };
     let moved = analysis.movement.films.iter().filter(|posture| posture.evidence.is_some());
@@ -132,7 +132,7 @@ fn count(kind: Kind, index: usize, seed: u64) -> BTreeMap<&'static str, [usize; 
 
 /// The true line in its region and crossings, where there is one.
 fn true_line(
-    loads: &PreferredLoads,
+    loads: &BestFitLoads,
     film: usize,
     posture: &FilmMovement,
     truth: &TruePosture,
@@ -145,7 +145,7 @@ fn true_line(
     let proposal = ProposedLine::Through { points, covariance: Matrix4::zeros() };
     let what = if truth.posture.bend().is_some() { REGION } else { REGION_AT_REST };
     add(what, !loads.test(film, &proposal).expect("a load").rejects());
-    let Some(own) = &posture.preferred_line else { return };
+    let Some(own) = &posture.best_fit_line else { return };
     // A nearly horizontal line crosses anywhere.
     for at in own.crossings.iter().filter(|_| line.direction.z_mm.abs() > 0.2) {
         let y_mm = line.y_mm_at(at.z_mm);
@@ -159,13 +159,13 @@ fn true_line(
 
 /// Which lines are rejected on a bend.
 fn rejections(
-    loads: &PreferredLoads,
+    loads: &BestFitLoads,
     film: usize,
     posture: &FilmMovement,
     add: &mut impl FnMut(&'static str, bool),
 ) {
     // On films with little movement, the load is rarely (once in thousands) a couple, which has no line.
-    let Some(own) = &posture.preferred_line else { return };
+    let Some(own) = &posture.best_fit_line else { return };
     add(BY_INFLECTIONS, own.inflection.expect("two inflections").test.rejects());
     add(BY_ILIAC, own.iliac.expect("marked crests").test.rejects());
     let t2 = posture.outline.top();

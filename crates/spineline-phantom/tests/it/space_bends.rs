@@ -137,7 +137,7 @@ fn found(phantom: &BentPhantom, way: &Way) -> Vec<Found> {
             Some(film?.simulations[place].as_ref()?.mean_location_error_mm())
         });
         let both = in_g(phantom, &analysis, posture).zip(
-            analysis.movement.film(posture).and_then(|posture| posture.preferred_line.as_ref()),
+            analysis.movement.film(posture).and_then(|posture| posture.best_fit_line.as_ref()),
         );
         let locations: Vec<Frontal> = analysis
             .movement

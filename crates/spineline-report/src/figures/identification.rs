@@ -1,7 +1,7 @@
 //! The line of best fit to the rotations of every film, beside the line through the inflections.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmMovement, LineCrossing, PreferredLine};
+use spineline::analysis::{Analysis, BestFitLine, FilmMovement, LineCrossing};
 use spineline::number::probability;
 use spineline::personalize::Crossing;
 use spineline::spatial::Frontal;
@@ -30,7 +30,7 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
     let moved: Vec<&FilmMovement> =
         analysis.movement.films.iter().filter(|p| p.motion.is_some()).collect();
     let through = moved.iter().any(|p| p.inflection_points.is_some());
-    let best_fit = moved.iter().any(|p| p.preferred_line.is_some());
+    let best_fit = moved.iter().any(|p| p.best_fit_line.is_some());
     if !through && !best_fit {
         return None;
     }
@@ -82,7 +82,7 @@ fn legend(through: bool, best_fit: bool) -> Vec<(Sample, String)> {
 /// One posture; `tested` says whether any film of the figure has a line of best fit.
 fn fill(panel: &mut Panel, posture: &FilmMovement, tested: bool) {
     panel.heading(HeadingKind::Title, posture.outline.posture.to_string());
-    let best_fit = posture.preferred_line.as_ref();
+    let best_fit = posture.best_fit_line.as_ref();
     if tested {
         let test = best_fit.and_then(|line| line.inflection);
         let p_value = test.map(|found| format!("p {}", probability(found.test.p_value)));
@@ -103,7 +103,7 @@ fn fill(panel: &mut Panel, posture: &FilmMovement, tested: bool) {
     panel.points(INFLECTION, posture.inflection_points.into_iter().flatten().map(drawn));
 }
 
-fn best_fit_line(panel: &mut Panel, found: &PreferredLine) {
+fn best_fit_line(panel: &mut Panel, found: &BestFitLine) {
     let line = panel.action_mark(&found.line, BEST_FIT);
     let bars: Vec<_> = found.crossings.iter().filter_map(|at| interval(panel, at)).collect();
     panel.layer("line of best fit to the rotations", line.into_iter().chain(bars));

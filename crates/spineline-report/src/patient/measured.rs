@@ -250,7 +250,7 @@ pub fn line(analysis: &Analysis) -> Section {
         });
         return section;
     };
-    let best_fits = analysis.movement.films.iter().any(|p| p.preferred_line.is_some());
+    let best_fits = analysis.movement.films.iter().any(|p| p.best_fit_line.is_some());
     let lines = if best_fits {
         "The line through the inflections, and the line of best fit to the joints' rotations on each film"
     } else {
@@ -283,7 +283,7 @@ pub fn best_fit(analysis: &Analysis) -> Table {
     columns.extend(has_given.then(|| Column::words("p: the given line")));
     let mut table = Table::new("Line of best fit to the rotations of each film", columns);
     for p in &analysis.movement.films {
-        let Some(found) = &p.preferred_line else { continue };
+        let Some(found) = &p.best_fit_line else { continue };
         let [caudal, cranial] = &found.crossings;
         let mut row = vec![
             p.outline.posture.to_string(),
@@ -296,7 +296,7 @@ pub fn best_fit(analysis: &Analysis) -> Table {
         row.extend(has_given.then(|| p_value(found.given.map(|found| found.test))));
         table.row(row);
     }
-    if let Some(found) = analysis.movement.films.iter().find_map(|p| p.preferred_line.as_ref()) {
+    if let Some(found) = analysis.movement.films.iter().find_map(|p| p.best_fit_line.as_ref()) {
         table.note = format!(
             "p below 0.05 rejects the line. Joints of a region differ in stiffness by {} % on these films.",
             fixed(100.0 * found.joint_log_sd, 0)

@@ -105,7 +105,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
             cells.extend([fixed(mean.deg(), 4), distances]);
         }
         holds(&text, &cells);
-        if let Some(line) = &p.preferred_line {
+        if let Some(line) = &p.best_fit_line {
             let [caudal, cranial] = &line.crossings;
             let tilt = line.line.lateral_tilt().leaning();
             let posture = p.outline.posture.to_string();
@@ -116,7 +116,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
         &text,
         &["p: through both inflections", "p: parallel to the iliac line"].map(str::to_owned),
     );
-    let mut lines = analysis.movement.films.iter().filter_map(|p| p.preferred_line.as_ref());
+    let mut lines = analysis.movement.films.iter().filter_map(|p| p.best_fit_line.as_ref());
     let spread = percent(lines.next().expect("a line").joint_log_sd);
     assert!(text.contains(&format!("differ in stiffness by {spread} %")), "{text}");
 }

@@ -1,12 +1,12 @@
 //! The method on one patient: the movement on the films, then the lines and models that explain it.
 
 use super::comparison::Remembered;
+use super::find_best_fit::find_best_fit_lines;
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
-use super::preference::prefer_lines;
 use super::{Analysis, AnalysisOptions, Case, LineModel, Movement, Replicated};
 use crate::error::Error;
-use crate::personalize::PreferredLoads;
+use crate::personalize::BestFitLoads;
 use crate::warning::Warnings;
 
 /// Runs all steps on one case, as far as its films reach.
@@ -55,28 +55,19 @@ pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analys
 /// They shorten a fit. Where minima are nearly alike, they can change in which one it ends (decision 0059).
 #[derive(Debug, Clone)]
 pub(crate) struct FitStarts<'a> {
-    loads: Option<PreferredLoads>,
+    loads: Option<BestFitLoads>,
     models: &'a [LineModel],
 }
 
 impl<'a> FitStarts<'a> {
     /// The fits of an analysis.
     pub fn of(analysis: &'a Analysis) -> Self {
-        Self { loads: analysis.preferred_loads().ok(), models: &analysis.models }
+        Self { loads: analysis.best_fit_loads().ok(), models: &analysis.models }
     }
 }
 
-/// As [`analyze`], for a replicate, whose results are quantities: without doubts about its films and warnings about lines.
-pub(crate) fn analyze_replicate(
-    case: &Case,
-    options: &AnalysisOptions,
-    replicated: Replicated<'_>,
-    starts: Option<&FitStarts<'_>>,
-) -> Result<Analysis, Error> {
-    analyze_films(case, options, Some(replicated), starts)
-}
-
-fn analyze_films(
+/// As [`analyze`], without warnings about lines; for a replicate, whose results are quantities, without doubts about its films either.
+pub(crate) fn analyze_films(
     case: &Case,
     options: &AnalysisOptions,
     replicated: Option<Replicated<'_>>,
@@ -87,7 +78,7 @@ fn analyze_films(
     // Of these lines, a replicate uses only the comparison with the inflection line.
     if replicated.is_none() || movement.inflections.pair.is_some() {
         let start = starts.and_then(|starts| starts.loads.as_ref());
-        prefer_lines(&mut movement, options, start, &mut warnings);
+        find_best_fit_lines(&mut movement, options, start, &mut warnings);
     }
     let starts = starts.map_or(&[][..], |starts| starts.models);
     let models = fit_models(&movement, options, starts, &mut warnings);

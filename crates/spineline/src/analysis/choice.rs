@@ -1,6 +1,6 @@
 //! The personalised model that stands for a patient if the user names no line.
 
-use super::{Analysis, LineModel};
+use super::{Analysis, LineModel, listed};
 use crate::action::LineKind;
 use crate::number::fixed;
 
@@ -46,7 +46,7 @@ impl Analysis {
                 format!(
                     "The {kind} has the smallest error on {films}, {} mm, of the lines whose model converged; {} did not converge.",
                     fixed(mm, 1),
-                    lost.join(" and ")
+                    listed(&lost)
                 )
             };
             return Some(ModelChoice { kind, words });

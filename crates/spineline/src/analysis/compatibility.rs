@@ -92,7 +92,7 @@ impl Analysis {
     /// line of best fit to the rotations another line: not through the inflections, not along the iliac line, or not along the
     /// given line? Holm's correction is over all questions: a true line is rejected with a probability of at most 0.05. The joints'
     /// test takes the place of the line, the lever arms and the noise of the tilts as known; the line's test does not
-    /// ([`crate::personalize::PreferredLoads`]).
+    /// ([`crate::personalize::BestFitLoads`]).
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
         let films = || model.simulations.iter().filter(|s| s.fitted && s.posture.bend().is_some());

@@ -1,7 +1,7 @@
 //! Other loads and bases than the lines, where requested.
 
 use super::models::settings_of;
-use super::{Analysis, AnalysisOptions, Movement};
+use super::{Analysis, AnalysisOptions, FilmMovement, Movement};
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::{Hypothesis, HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
@@ -35,9 +35,14 @@ pub(super) fn fit_hypotheses(
         depth_mm: movement.depth_mm(),
         apex: largest_apex(movement),
     };
-    let moved = movement.films.iter().filter(|p| p.motion.is_some());
-    let films: Vec<HypothesisFilm<'_>> =
-        moved.map(|p| HypothesisFilm::new(&p.outline, p.inflection_points, springs)).collect();
+    let moved = movement.films.iter().filter_map(|film| Some((film, film.evidence.clone()?)));
+    let films: Vec<HypothesisFilm<'_>> = moved
+        .map(|(FilmMovement { outline, inflection_points, .. }, evidence)| HypothesisFilm {
+            outline,
+            evidence,
+            inflections: *inflection_points,
+        })
+        .collect();
     let mut fits: Vec<HypothesisFit> = Vec::new();
     for &hypothesis in &options.hypotheses {
         match fit_hypothesis(hypothesis, &spine, &films) {

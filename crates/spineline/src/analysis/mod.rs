@@ -1,9 +1,21 @@
 //! One patient through all steps: [`analyze`].
 //!
-//! `analyze` runs the steps; `movement` has the results before any force; `result` has all results.
+//! | file | question |
+//! |---|---|
+//! | `measured`, `checks`, `wrong_film`, `film_likelihood` | What do the films show? Are they the films that they are named after? |
+//! | `movement`, `standing`, `template` | How does the spine move, before any force? How does it stand in space? |
+//! | `find_best_fit`, `best_fit_line`, `compatibility` | Which force explains the rotations best? Do the bends reject a candidate? |
+//! | `models`, `line_model`, `identification`, `force_path` | Which stiffness and forces belong to each line? |
+//! | `hypotheses` | Which other loads explain the bends? |
+//! | `compare_lines`, `comparison`, `find_bands`, `bands` | How well is a film predicted that was not fitted? |
+//! | `choice`, `personalised_model` | Which model stands for the patient, and what do loads do to it? |
+//! | `headline`, `verdict`, `models_verdict`, `endings`, `words` | What do the results say, in words and warnings? |
+//!
+//! `analyze` runs the steps, `options` has their choices, and `result` has all results.
 
 mod analyze;
 mod bands;
+mod best_fit_line;
 mod checks;
 mod choice;
 mod compare_lines;
@@ -12,6 +24,7 @@ mod compatibility;
 mod endings;
 mod film_likelihood;
 mod find_bands;
+mod find_best_fit;
 mod force_path;
 mod headline;
 mod hypotheses;
@@ -23,8 +36,6 @@ mod models_verdict;
 mod movement;
 mod options;
 mod personalised_model;
-mod preference;
-mod preferred_line;
 mod result;
 mod standing;
 mod template;
@@ -32,9 +43,10 @@ mod verdict;
 mod words;
 mod wrong_film;
 
-pub(crate) use analyze::{FitStarts, analyze_replicate};
+pub(crate) use analyze::{FitStarts, analyze_films};
 pub use analyze::{analyze, analyze_movement};
 pub use bands::{BAND_COVERAGE, Bands, FilmBands};
+pub use best_fit_line::{BestFitLine, LineComparison, LineCrossing};
 pub use checks::check_repeated;
 pub use choice::ModelChoice;
 pub(crate) use comparison::ferguson_errors_deg;
@@ -51,7 +63,6 @@ pub use models_verdict::ModelsVerdict;
 pub use movement::{FilmMovement, Movement};
 pub use options::{AnalysisOptions, Grouping, Method, Reference};
 pub use personalised_model::{FilmLoad, PersonalisedModel, SimulationError};
-pub use preferred_line::{LineComparison, LineCrossing, PreferredLine};
 pub use result::Analysis;
 pub use standing::{AxialSource, PitchSource};
 pub use template::{ProfileVertebra, TemplateError};

@@ -2,7 +2,7 @@
 
 use super::checks::warn_of_unknown_rotation;
 use super::measured::{at_erect_length, measure, widths_mm};
-use super::{AnalysisOptions, Case, Grouping, PreferredLine, Reference, Replicated};
+use super::{AnalysisOptions, BestFitLine, Case, Grouping, Reference, Replicated};
 use crate::anatomy::{Level, Levels, Posture, Region, SagittalProfile, trunk_weight_shares};
 use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
@@ -44,7 +44,7 @@ pub struct FilmMovement {
     /// Rotations and joint centres; `None` for the erect posture.
     pub evidence: Option<FilmEvidence>,
     /// The line of best fit to the film's rotations.
-    pub preferred_line: Option<PreferredLine>,
+    pub best_fit_line: Option<BestFitLine>,
 }
 
 /// The results before any force: curves, rotations from the erect posture, and the unloaded spine. A result that a film or an option
@@ -299,7 +299,7 @@ impl FilmMovement {
             mean_least_estimates: None,
             inflection_points: None,
             evidence: None,
-            preferred_line: None,
+            best_fit_line: None,
         }
     }
 

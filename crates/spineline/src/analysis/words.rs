@@ -16,9 +16,7 @@ impl Analysis {
     #[must_use]
     pub const fn gauge_words(&self) -> &'static str {
         match self.options.gauge {
-            Gauge::GeometricMean => {
-                "only ratios are identified; their geometric mean is held at 1, to 1 %"
-            }
+            Gauge::GeometricMean => "only ratios are identified; their geometric mean is held at 1",
             Gauge::FrozenForce => "forces fixed at their values with the nominal stiffness",
             Gauge::KnownForce { .. } => "scaled to the known force",
         }

@@ -1,4 +1,4 @@
-//! Names that all steps share: vertebral levels, sides, postures, regions and kinds of line; how such names are read
+//! Names that all steps share: vertebral levels, sides, postures and regions; how such names are read
 //! ([`Named`]); and the sizes of a typical spine, with their sources.
 
 mod level;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::near_t2::nearest_t2;
 use super::{Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::{Posture, named};
-use crate::evaluate::{ScaledPrediction, at_scale_of_top};
+use crate::evaluate::{ScaledPrediction, at_scale_of_top, location_errors_mm};
 use crate::measure::FilmScale;
 use crate::multibody::{FilmUnderLoad, LoadedFilm, PathEnding, Wanted};
 use crate::spatial::{Angle, Frontal};
@@ -171,13 +171,7 @@ pub(super) fn prediction(
         against: against(loaded, film, &components),
         components,
         base,
-        location_errors_mm: locations
-            .iter()
-            .zip(measured)
-            .skip(1)
-            .filter(|(_, vertebra)| vertebra.is_measured())
-            .map(|(simulated, vertebra)| simulated.distance_mm(vertebra.location))
-            .collect(),
+        location_errors_mm: location_errors_mm(&locations, film.outline),
         locations,
         tilts,
         rotation_rms: Angle::from_rad((squares / joints).sqrt()),

@@ -39,7 +39,7 @@ pub use identify::{
 };
 pub(crate) use mixed::predict_stiffness;
 pub use mixed::{
-    Crossing, GroupStiffness, LineTest, NoLoads, PreferredLoads, ProposedLine, SIGNIFICANCE,
+    BestFitLoads, Crossing, GroupStiffness, LineTest, NoLoads, ProposedLine, SIGNIFICANCE,
 };
 pub use outcome::TestOutcome;
 pub use personalization::{Personalization, StiffnessBound};

@@ -52,7 +52,7 @@ pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
 pub use tally::{FailureCount, MultiplierSpread, QuantitySpread, Tally, Uncertainty};
 
 use crate::action::LineKind;
-use crate::analysis::{Analysis, Case, FitStarts, Replicated, analyze_replicate};
+use crate::analysis::{Analysis, Case, FitStarts, Replicated, analyze_films};
 use crate::anatomy::Posture;
 use crate::measure::OutlineNoise;
 use crate::personalize::FitStatus;
@@ -130,7 +130,7 @@ impl<'a> MonteCarlo<'a> {
     fn analysis_of(&self, index: u64) -> Result<Analysis, &'static str> {
         let (case, errors) = self.noisy.replicate(index);
         let replicated = Replicated { noise: &self.noise, errors: &errors };
-        analyze_replicate(&case, &self.nominal.options, replicated, self.starts.as_ref())
+        analyze_films(&case, &self.nominal.options, Some(replicated), self.starts.as_ref())
             .map_err(|error| error.code())
     }
 

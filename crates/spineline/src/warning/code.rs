@@ -176,7 +176,7 @@ warning_codes! {
         /// A film, or every bending film, has no line of action of this kind.
         NoLine = "no_line": Warning;
         /// The estimation of the lines of best fit to the rotations did not converge.
-        PreferredLinesNotFound = "preferred_lines_not_found": Warning;
+        BestFitLinesNotFound = "best_fit_lines_not_found": Warning;
     }
     Multibody {
         /// A simulation was interrupted, and its path so far is not a result.

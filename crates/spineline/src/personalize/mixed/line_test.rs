@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::beta::beta_reg;
 
 use super::super::estimate::{EstimatedLine, line_of};
-use super::loads::PreferredLoads;
+use super::loads::BestFitLoads;
 use super::proposed_line::ProposedLine;
 use crate::spatial::Frontal;
 
@@ -45,7 +45,7 @@ impl LineTest {
     }
 }
 
-impl PreferredLoads {
+impl BestFitLoads {
     /// The line of one film's load; `None` for a pure couple.
     #[must_use]
     pub fn line(&self, film: usize, near: Frontal) -> Option<EstimatedLine> {
@@ -141,8 +141,8 @@ mod tests {
     use nalgebra::Matrix4;
 
     /// 100 N straight up, 10 mm to the left of the origin, with given variances of `fy`, `fz` and `mx`.
-    fn upwards(variances: [f64; 3]) -> PreferredLoads {
-        PreferredLoads {
+    fn upwards(variances: [f64; 3]) -> BestFitLoads {
+        BestFitLoads {
             components: vec![[0.0, 100.0, 1000.0]],
             joint_log_sd: 0.1,
             unknowns: DVector::default(),
@@ -225,7 +225,7 @@ mod tests {
         let sd = by_error * tilt_sd.rad() * 2.0;
         let known = upwards([0.0, 0.0, sd * sd]);
         let covariance = known.covariance.clone().with_tilts(&[&film], &loads_by_errors);
-        let loads = PreferredLoads { covariance, ..known };
+        let loads = BestFitLoads { covariance, ..known };
         let Some(Crossing::Between([low, high])) = loads.crossing(0, 100.0) else {
             panic!("an interval")
         };

@@ -9,7 +9,7 @@ use crate::clinical::JointShares;
 
 /// Loads of several films that share springs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PreferredLoads {
+pub struct BestFitLoads {
     /// `(fy, fz, mx)` about the origin of `G` per film, in N and N·mm, up to the level of stiffness.
     pub components: Vec<[f64; 3]>,
     /// Standard deviation of `ln` stiffness among the joints of a group, without the random walk along the spine.
@@ -20,7 +20,7 @@ pub struct PreferredLoads {
     pub(super) covariance: EstimatedCovariance,
 }
 
-impl PreferredLoads {
+impl BestFitLoads {
     /// Fits the loads of all films to their joint rotations. `depth_mm` is the sagittal place of the forces; the fit starts from
     /// the one to other readings of the same films, if that is given.
     ///

@@ -51,7 +51,7 @@ mod stiffness;
 
 pub use equations::NoLoads;
 pub use line_test::{Crossing, LineTest, SIGNIFICANCE};
-pub use loads::PreferredLoads;
+pub use loads::BestFitLoads;
 pub use proposed_line::ProposedLine;
 pub use stiffness::GroupStiffness;
 pub(crate) use stiffness::predict_stiffness;

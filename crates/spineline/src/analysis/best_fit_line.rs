@@ -9,7 +9,7 @@ use crate::spatial::Angle;
 
 /// The line of best fit to the rotations of one film.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PreferredLine {
+pub struct BestFitLine {
     /// The line; its direction is cranial.
     pub line: LineOfAction,
     /// Where it crosses the heights of the inflections (without inflections: of L4 and T2), each with 95 % confidence.

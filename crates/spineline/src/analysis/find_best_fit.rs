@@ -3,16 +3,14 @@
 use nalgebra::{Matrix2, Matrix4, Vector2};
 
 use super::{
-    Analysis, AnalysisOptions, FilmMovement, LineComparison, LineCrossing, LineModel, Movement,
-    PreferredLine,
+    Analysis, AnalysisOptions, BestFitLine, FilmMovement, LineComparison, LineCrossing, LineModel,
+    Movement,
 };
 use crate::action::{LineKind, LineOfAction};
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
 use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{
-    GroupStiffness, NoLoads, PreferredLoads, ProposedLine, predict_stiffness,
-};
+use crate::personalize::{BestFitLoads, GroupStiffness, NoLoads, ProposedLine, predict_stiffness};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
 
@@ -21,11 +19,11 @@ impl FilmMovement {
     /// line, which comes from the same rotations.
     #[must_use]
     pub fn line_comparison(&self, kind: LineKind) -> Option<LineComparison> {
-        let preferred = self.preferred_line.as_ref()?;
+        let best_fit = self.best_fit_line.as_ref()?;
         match kind {
-            LineKind::Inflection => preferred.inflection,
-            LineKind::Iliac => preferred.iliac,
-            LineKind::Given => preferred.given,
+            LineKind::Inflection => best_fit.inflection,
+            LineKind::Iliac => best_fit.iliac,
+            LineKind::Given => best_fit.given,
             LineKind::Estimated => None,
         }
     }
@@ -36,12 +34,10 @@ impl Analysis {
     ///
     /// # Errors
     /// [`NoLoads`].
-    pub fn preferred_loads(&self) -> Result<PreferredLoads, NoLoads> {
-        preferred_loads_near(&self.movement, None)
+    pub fn best_fit_loads(&self) -> Result<BestFitLoads, NoLoads> {
+        best_fit_loads_near(&self.movement, None)
     }
-}
 
-impl Analysis {
     /// The mean `ln` stiffness of every group of a model's joints, predicted from the rotations of all films with the bends' forces along the
     /// model's line.
     ///
@@ -106,16 +102,16 @@ fn crests_sd(film: &FilmMovement) -> Angle {
     Angle::from_rad(f64::sqrt(2.0) * crest_mm / CRESTS_MM)
 }
 
-fn preferred_loads_near(
+fn best_fit_loads_near(
     movement: &Movement,
-    near: Option<&PreferredLoads>,
-) -> Result<PreferredLoads, NoLoads> {
+    near: Option<&BestFitLoads>,
+) -> Result<BestFitLoads, NoLoads> {
     if movement.film_without_scale().is_some() {
         return Err(NoLoads::NoFilms);
     }
     let films: Vec<&FilmEvidence> =
         movement.films.iter().filter_map(|posture| posture.evidence.as_ref()).collect();
-    PreferredLoads::estimate(&films, movement.depth_mm(), &joint_shares(movement), near)
+    BestFitLoads::estimate(&films, movement.depth_mm(), &joint_shares(movement), near)
 }
 
 /// Which part of every joint lies in which region: regions end at the inflections, unless these give no three regions.
@@ -135,23 +131,23 @@ fn joint_shares(movement: &Movement) -> JointShares {
 }
 
 /// Finds the line of best fit to the rotations of every film, from a warm start of the loads.
-pub(super) fn prefer_lines(
+pub(super) fn find_best_fit_lines(
     movement: &mut Movement,
     options: &AnalysisOptions,
-    near: Option<&PreferredLoads>,
+    near: Option<&BestFitLoads>,
     warnings: &mut Warnings,
 ) {
     // Lines need lengths.
     if movement.film_without_scale().is_some() || movement.films.len() < 2 {
         return;
     }
-    let loads = match preferred_loads_near(movement, near) {
+    let loads = match best_fit_loads_near(movement, near) {
         Ok(loads) => loads,
         Err(reason) => {
             let text = format!(
                 "{reason}, so no film has a line of best fit to the rotations and no line of action is tested"
             );
-            warnings.push(WarningCode::PreferredLinesNotFound, text);
+            warnings.push(WarningCode::BestFitLinesNotFound, text);
             return;
         }
     };
@@ -171,7 +167,7 @@ pub(super) fn prefer_lines(
             let within = loads.crossing(film, z_mm)?;
             Some(LineCrossing { z_mm, y_mm: line.y_mm_at(z_mm), within })
         });
-        Some(PreferredLine {
+        Some(BestFitLine {
             crossings: [caudal?, cranial?],
             inflection,
             iliac: against_iliac(&loads, film, posture, &line),
@@ -186,14 +182,14 @@ pub(super) fn prefer_lines(
         posture.evidence.as_ref()?;
         line_of(films.next()?, posture)
     };
-    let lines: Vec<Option<PreferredLine>> = movement.films.iter().map(line_of_posture).collect();
+    let lines: Vec<Option<BestFitLine>> = movement.films.iter().map(line_of_posture).collect();
     for (film, line) in movement.films.iter_mut().zip(lines) {
-        film.preferred_line = line;
+        film.best_fit_line = line;
     }
 }
 
 fn against_inflections(
-    loads: &PreferredLoads,
+    loads: &BestFitLoads,
     film: usize,
     posture: &FilmMovement,
     segments: [usize; 2],
@@ -242,7 +238,7 @@ fn inflection_covariance(
 }
 
 fn against_iliac(
-    loads: &PreferredLoads,
+    loads: &BestFitLoads,
     film: usize,
     posture: &FilmMovement,
     line: &LineOfAction,
@@ -261,7 +257,7 @@ fn against_iliac(
 }
 
 fn against_given(
-    loads: &PreferredLoads,
+    loads: &BestFitLoads,
     film: usize,
     posture: &FilmMovement,
     line: &LineOfAction,
