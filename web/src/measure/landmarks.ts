@@ -68,7 +68,11 @@ export function levelBeside({ order }: ReadingView, level: string, up: boolean):
 }
 
 /** Whether its observer can still place landmarks. */
-export const isChangeable = ({ mine, finished, withdrawn }: ReadingView): boolean =>
+export const isChangeable = ({
+  mine,
+  finished,
+  withdrawn,
+}: Pick<Api<"ReadingSummary">, "mine" | "finished" | "withdrawn">): boolean =>
   mine && !finished && !withdrawn;
 
 /** A landmark or an axis on the film that can be selected and moved. */

@@ -5,6 +5,7 @@ import { backAfter } from "../shell/loaded.svelte";
 import { inFilmOrder } from "../shell/words";
 import { counts } from "../studies/listing";
 import { nameTab } from "./keeping";
+import { isChangeable } from "./landmarks";
 import { Marking } from "./marking.svelte";
 import { movedText } from "./scale";
 
@@ -140,9 +141,7 @@ export class StudyPage {
   async correct({ reading }: ReadingSummary): Promise<void> {
     await this.#tried("The correction could not be started", async () => {
       await this.refresh();
-      const begun = this.mine.find(
-        ({ corrects, finished, withdrawn }) => corrects === reading && !finished && !withdrawn,
-      );
+      const begun = this.mine.find((one) => one.corrects === reading && isChangeable(one));
       const correction = begun ?? (await correctReading(reading));
       await this.refresh();
       await this.openReading(correction.reading);
