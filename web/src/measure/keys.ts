@@ -2,7 +2,7 @@ import { act, changeKeys, type Actions } from "../shell/keys.svelte";
 import type { Drawing } from "./drawing.svelte";
 import type { Marking } from "./marking.svelte";
 import { placeOf, type Landmark } from "./landmarks";
-import { proposalOf, proposedPlace } from "./proposals";
+import { proposedPlace } from "./proposals";
 import type { Viewer } from "./viewer.svelte";
 import type { CssPoint, FilmPoint } from "./viewport";
 
@@ -170,7 +170,8 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
 export function expected(marking: Marking): FilmPoint | null {
   const landmark: Landmark | null = marking.target;
   if (!landmark || !("level" in landmark)) return null;
-  const proposal = proposalOf(marking.reading, landmark.level);
+  const all = [...marking.proposals, ...marking.reading.proposals];
+  const proposal = all.find(({ level }) => level === landmark.level);
   if (!proposal || landmark.kind === "axis" || landmark.kind === "pedicle") return null;
   if (landmark.kind === "corner") return proposedPlace(proposal, landmark.corner);
   const above = proposedPlace(proposal, `superior_${landmark.side}`);

@@ -28,6 +28,7 @@ import {
   type Landmark,
   type ReadingView,
 } from "./landmarks";
+import { offerOf } from "./found";
 import { lookedFor, type Lost, type Trouble, WENT_BACK } from "./lost";
 import * as proposing from "./proposals";
 import { Outbox, type SaveState } from "./outbox";
@@ -100,6 +101,8 @@ export class Marking {
   );
   /** Proposals to draw. */
   readonly proposals = $derived(this.proposes ? this.#open : this.acceptable);
+  /** What is said of the found vertebrae before a person begins with them. */
+  readonly offer = $derived(offerOf(this.detection.found, this.proposals));
   readonly dragging = $derived(this.#draft.length > 0);
 
   /** Last place of the dragged axis, and whether its angle there is known. */
@@ -237,18 +240,19 @@ export class Marking {
     this.#sendPreview({ events: this.#pending });
   }
 
-  /** Draws the proposals of all vertebrae, or only those to be accepted; detects them if too little is marked. */
+  /** Draws the proposals of all vertebrae, detected if too little is marked; or discards what was detected. */
   async togglePropose(): Promise<void> {
     if (!this.mayPropose || this.detects) return;
-    this.proposes = !this.proposes;
-    this.said = this.proposes
-      ? "vertebrae proposed; accept them one by one"
-      : "no vertebra proposed";
+    [this.proposes, this.detection] = [!this.proposes, proposing.UNSEEN];
+    this.said = this.proposes ? "vertebrae proposed" : "no vertebra proposed";
     if (!this.proposes || this.#open.length > 0) return;
     this.detects = true;
     this.detection = await proposing.detected(this.#recorded.reading);
     this.detects = false;
     this.trouble = this.detection.trouble ?? this.trouble;
+    if (this.detection.found.length === 0) return;
+    // Two clicks replace a vertebra that was not found clearly.
+    this.#way = "walls";
   }
 
   /** Accepts the proposals that one key accepts and the picture does not contradict, as one change. */

@@ -1,6 +1,7 @@
 import { detectVertebrae, findMisfits } from "../api/readings";
 import type { Api } from "../api/types";
 import { lasting } from "../shell/storage.svelte";
+import { clarity, leftWords } from "./found";
 import {
   levelBeside,
   placing,
@@ -11,6 +12,7 @@ import {
   type ReadingView,
 } from "./landmarks";
 import type { Trouble } from "./lost";
+import type { Marking } from "./marking.svelte";
 import type { Message } from "./messages";
 import { filmPoint, type FilmPoint } from "./viewport";
 
@@ -41,34 +43,29 @@ export function keepWay(way: Way): void {
 export const canPropose = ({ proposals_allowed, image }: ReadingView): boolean =>
   proposals_allowed && !image.is_lateral;
 
-/** The program's proposal for a level. */
-export function proposalOf(reading: ReadingView, level: string): Proposal | null {
-  return reading.proposals.find((proposal) => proposal.level === level) ?? null;
-}
-
 /** Place of a proposed corner. */
 export function proposedPlace(proposal: Proposal, corner: Corner): FilmPoint | null {
   const px = proposal.corners.find((one) => one.corner === corner)?.px;
   return px ? filmPoint(px) : null;
 }
 
-/** The proposals of vertebrae without a corner. */
+/** The proposals of vertebrae without a corner: from the picture or from landmarks, where both exist the surer one. */
 export function openProposals(reading: ReadingView, found: readonly Proposal[]): Proposal[] {
   const of = (level: string) => reading.vertebrae.find((one) => one.level === level);
-  const hasWall = (level: string): boolean => {
+  const isOpen = ({ level }: Proposal): boolean => (of(level)?.corners.length ?? 0) === 0;
+  // A click on a vertebra replaces what was found there.
+  const isUnclicked = ({ level }: Proposal): boolean => {
     const walls = of(level)?.walls;
-    return walls?.left_px != null || walls?.right_px != null;
+    return walls?.left_px == null && walls?.right_px == null;
   };
-  // Proposals from the reader's landmarks are better than from the picture, whose levels may be
-  // shifted: never both.
-  const all =
-    reading.proposals.length > 0 ? reading.proposals : found.filter(({ level }) => !hasWall(level));
-  return all.filter(({ level }) => (of(level)?.corners.length ?? 0) === 0);
+  const all = [...found.filter(isUnclicked), ...reading.proposals].filter(isOpen);
+  const surestFirst = all.toSorted((a, b) => a.sd_percent - b.sd_percent);
+  return all.filter((one) => surestFirst.find(({ level }) => level === one.level) === one);
 }
 
 /**
- * The proposals that one key accepts: the sure ones and all whose walls the reader has marked, else only the proposal of
- * the next vertebra. Without its walls a vertebra is proposed for two clicks only on request.
+ * The proposals that one key accepts: the sure ones, the clearly found ones and all whose walls the reader has marked,
+ * else only the proposal of the next vertebra. Without its walls a vertebra is proposed for two clicks only on request.
  */
 export function acceptable(
   reading: ReadingView,
@@ -76,9 +73,10 @@ export function acceptable(
   target: Landmark | null,
   { way, onRequest }: { way: Way; onRequest: boolean },
 ): Proposal[] {
-  const ready = open.filter(({ level, is_sure }) => {
-    const walls = reading.vertebrae.find((one) => one.level === level)?.walls;
-    return is_sure || (way === "walls" && walls?.left_px != null && walls.right_px != null);
+  const ready = open.filter((proposal) => {
+    const walls = reading.vertebrae.find(({ level }) => level === proposal.level)?.walls;
+    const isReady = proposal.is_sure || clarity(proposal) === "clear";
+    return isReady || (way === "walls" && walls?.left_px != null && walls.right_px != null);
   });
   if (ready.length > 0 || (way === "walls" && !onRequest)) return ready;
   return open.filter(({ level }) => target && "level" in target && target.level === level);
@@ -153,19 +151,25 @@ export async function misfits(reading: number, proposals: readonly Proposal[]): 
 
 /** Messages on proposals, while they are drawn. */
 export function aboutProposals(
-  { doubt, matched }: Detected,
-  proposes: boolean,
-  misfits: readonly string[],
+  marking: Pick<Marking, "detection" | "offer" | "proposals" | "misfits">,
 ): Message[] {
-  const text = (severity: Message["severity"], words: string): Message => ({
-    severity,
-    text: words,
-  });
-  return [
-    ...(misfits.length > 0
-      ? [text("warning", `${misfits.join(", ")}: the picture has other edges; click the walls`)]
-      : []),
-    ...(proposes && doubt ? [text("warning", `Check the levels of the proposals: ${doubt}`)] : []),
-    ...(proposes && matched ? [text("note", `Levels: ${matched}`)] : []),
+  const { detection, offer, proposals, misfits } = marking;
+  const { doubt, matched } = detection;
+  const left = offer ? "" : leftWords(proposals);
+  const help = "U names all vertebrae one level up, J one level down.";
+  const told: (Message | false)[] = [
+    misfits.length > 0 && {
+      severity: "warning",
+      text: `${misfits.join(", ")}: the picture has other edges; click the walls`,
+    },
+    doubt !== null &&
+      !offer?.isSlow && {
+        severity: "warning",
+        text: `Check the levels first (U, J): ${doubt}`,
+        help,
+      },
+    matched !== null && { severity: "note", text: `Levels: ${matched}` },
+    left !== "" && { severity: "note", text: left },
   ];
+  return told.filter((one) => one !== false);
 }

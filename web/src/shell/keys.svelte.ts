@@ -24,13 +24,13 @@ export const KEYS = [
   {
     page: "film",
     strokes: ["p"],
-    text: "propose all vertebrae, from what is marked or from the picture",
+    text: "propose all vertebrae, from what is marked or from the picture; or discard the proposals",
   },
   {
     page: "film",
     strokes: ["a"],
     shown: "A, or Enter after two clicks",
-    text: "accept the proposed corners of the next vertebra, or of all that have both clicks",
+    text: "accept all vertebrae that were found clearly or have both clicks; else the next one alone",
   },
   {
     page: "film",
