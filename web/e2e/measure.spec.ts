@@ -2,7 +2,7 @@ import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
 import { filmOf, type FilmPoint } from "../src/measure/viewport";
-import { expect, expectAccessible, shot, test, type App } from "./app";
+import { expect, expectAccessible, shot, test, usePages, type App } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
 
 test.use({ hasDemo: true });
@@ -329,6 +329,7 @@ test("unsaved clicks of a crashed window are not lost", async ({ app, page, cont
   const address = page.url();
   await page.close();
   const again = await context.newPage();
+  await usePages(again);
   await again.goto(address);
   const dialog = again.getByRole("dialog", { name: /earlier window/i });
   await expect(dialog).toContainText("L4 – superior endplate");
