@@ -45,6 +45,12 @@ test("one key accepts what was found clearly, undo takes it back, and two clicks
   await expect(toCheck).toHaveCount(left.length);
   await expectAccessible(page);
   await shot(page, "found");
+  // A vertebra that a person chooses is asked for.
+  await page.getByRole("button", { name: /^T9/ }).click();
+  await expect(film.target).toContainText("T9");
+  await page.keyboard.press("p");
+  await expect(drawn).toHaveCount(0);
+  await proposed(film);
 
   const accepted = async (): Promise<string[]> => {
     await film.saved();

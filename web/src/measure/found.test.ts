@@ -72,10 +72,15 @@ it("offers proposals only where they save time against two clicks", () => {
 
 it("asks to check doubtful levels first", () => {
   const all = spine(14);
-  const detection = { ...UNSEEN, found: all, doubt: "the count differs" };
-  const told = aboutProposals({ detection, offer: null, proposals: all, misfits: [] });
-  expect(told.map(({ text }) => text)).toEqual([
-    "Check the levels first (U, J): the count differs",
+  const told = (doubt: string | null): string[] =>
+    aboutProposals({
+      detection: { ...UNSEEN, found: all, doubt },
+      offer: null,
+      proposals: all,
+      misfits: [],
+    }).map(({ text }) => text);
+  expect(told("the count differs")).toEqual(["Check the levels first (U, J): the count differs"]);
+  expect(told(null)).toEqual([
     expect.stringMatching(/^To check: V14, V15, V16\. Two clicks replace a proposal/),
   ]);
 });

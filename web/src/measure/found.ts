@@ -3,7 +3,7 @@ import type { Proposal } from "./proposals";
 
 /*
  * Seconds of a practised reader. Two clicks on each of 17 vertebrae take 28 s. A look at an outline tells whether it is right. A
- * wrong one that was accepted is selected, removed and clicked. Proposals begin with P, the answer, a look at the levels, and A.
+ * wrong one is chosen in the list of levels and clicked. Proposals begin with P, the answer, a look at the levels, and A.
  */
 const TWO_CLICKS_S = 28 / 17;
 const LOOK_S = 0.3;

@@ -101,8 +101,10 @@ export class Marking {
   );
   /** Proposals to draw. */
   readonly proposals = $derived(this.proposes ? this.#open : this.acceptable);
-  /** What is said of the found vertebrae before a person begins with them. */
-  readonly offer = $derived(offerOf(this.detection.found, this.proposals));
+  /** What is said of the found vertebrae before a person begins with them, or chooses one. */
+  readonly offer = $derived(
+    this.#chosen === null ? offerOf(this.detection.found, this.proposals) : null,
+  );
   readonly dragging = $derived(this.#draft.length > 0);
 
   /** Last place of the dragged axis, and whether its angle there is known. */
@@ -252,7 +254,7 @@ export class Marking {
     this.trouble = this.detection.trouble ?? this.trouble;
     if (this.detection.found.length === 0) return;
     // Two clicks replace a vertebra that was not found clearly.
-    this.#way = "walls";
+    [this.#way, this.#chosen, this.selected] = ["walls", null, null];
   }
 
   /** Accepts the proposals that one key accepts and the picture does not contradict, as one change. */

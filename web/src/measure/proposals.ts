@@ -155,7 +155,8 @@ export function aboutProposals(
 ): Message[] {
   const { detection, offer, proposals, misfits } = marking;
   const { doubt, matched } = detection;
-  const left = offer ? "" : leftWords(proposals);
+  // The doubt has all the room: outlines and list show what is to check.
+  const left = offer || doubt !== null ? "" : leftWords(proposals);
   const help = "U names all vertebrae one level up, J one level down.";
   const told: (Message | false)[] = [
     misfits.length > 0 && {
