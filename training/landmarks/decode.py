@@ -13,20 +13,18 @@ STEP_OVER_HEIGHT = 1.37
 """Distance between neighbouring centres over the vertebrae's height: geometric mean of the training films."""
 STEP_SPREAD, TURN_SPREAD_RAD = 0.15, 0.30
 """Spread of the logarithm of a step, and of its direction, beyond which a neighbour is doubted. Labels of the training films: 0.11 and 0.05."""
-SKIP_COST = 0.5
-"""Cost of a vertebra that no peak shows."""
-WORST_LINK = 2.5
-"""Cost of a step beyond which two peaks are not neighbours."""
-LEVEL_WEIGHT, LEVEL_GAIN = 0.08, 2.0
-"""Weight of the logarithm of a level's probability beside a peak's; a level of probability exp(-2) neither gains nor loses."""
-LEVEL_FLOOR = 0.01
-"""Least probability of a level: no single vertebra decides on the count."""
-LEVEL_TEMPER = 4.0
-"""Neighbouring vertebrae err together: their votes for a level count as much as a quarter of them."""
+PEAK_GAIN, PEAK_COST = 6.1, 1.1
+"""Logarithm of the odds of a vertebra: the first times the peak's probability, less the second."""
+VOTE_WEIGHT, VOTE_FLOOR = 0.07, 0.01
+"""Weight of the logarithm of a level's probability, and the least one: no single vertebra decides on the count."""
+STEP_WEIGHT = 0.06
+"""Weight of the squared deviation of a step."""
+SKIP_COST = 2.35
+"""Cost of a vertebra that no peak shows. These numbers are fitted by levels.py."""
+WORST_DEVIATION = (10.0, 8.0)
+"""Squared deviation beyond which two peaks are not neighbours, or have no vertebra between."""
 LEAST_SHARE = 0.90
-"""Probability of the count below which levels are doubtful."""
-BEYOND_PEAK, END_PEAK = 0.50, 0.35
-"""Levels are doubtful where a stronger peak than the first follows T1 or L5, or where T1 or L5 is weaker than the second."""
+"""Probability of the levels below which they are doubtful."""
 LEAST_VERTEBRAE, LEAST_MEAN_PEAK, LEAST_LAST = 12, 0.30, 13
 """A film with fewer vertebrae, with weaker ones, or without L2 is refused: a chest film shows a part of the spine as well."""
 SD_FACTOR = 1.0
@@ -66,8 +64,7 @@ class Reading:
     vertebrae: list = field(default_factory=list)
     refused: str = ""
     levels_doubtful: bool = False
-    level_share: float = 0.0
-    reasons: list = field(default_factory=list)
+    count: tuple = (0.0, 1, 0.0)
 
 
 def sigmoid(x):
@@ -101,103 +98,91 @@ def peaks_of(out):
     return kept
 
 
-def link_cost(upper, lower, steps):
-    """Cost of `lower` being the next vertebra but `steps - 1` below `upper`."""
+def deviation(upper, lower, steps):
+    """Squared deviation of `lower` being the next vertebra but `steps - 1` below `upper`."""
     way = lower.centre - upper.centre
     length = float(np.hypot(*way))
     along = upper.axis / upper.height + lower.axis / lower.height
     turn = abs(np.arctan2(along[0] * way[1] - along[1] * way[0], along[0] * way[0] + along[1] * way[1]))
     ratio = np.log(max(length, 1e-6) / (steps * STEP_OVER_HEIGHT * (upper.height + lower.height) / 2))
-    return 0.25 * ((ratio / STEP_SPREAD) ** 2 + (turn / TURN_SPREAD_RAD) ** 2) + SKIP_COST * (steps - 1)
+    return (ratio / STEP_SPREAD) ** 2 + (turn / TURN_SPREAD_RAD) ** 2
+
+
+def steps_of(peaks):
+    """All steps between peaks, which are sorted from above: upper, lower, levels, squared deviation; by the lower one."""
+    pairs = [(i, j, levels) for j in range(len(peaks)) for i in range(j) for levels in (1, 2)]
+    steps = [(i, j, levels, deviation(peaks[i], peaks[j], levels)) for i, j, levels in pairs]
+    return [step for step in steps if step[3] < WORST_DEVIATION[step[2] - 1]]
+
+
+def odds_of(peaks, steps, numbers):
+    """Logarithms of the odds of every peak as every level, and of every step."""
+    gain, cost, vote, step_weight, skip = numbers
+    own = np.array([gain * p.probability - cost + vote * np.log(np.maximum(p.levels, VOTE_FLOOR)) for p in peaks])
+    links = [(i, j, levels, -step_weight * squared - skip * (levels - 1)) for i, j, levels, squared in steps]
+    return own, links
+
+
+def best_of(own, links):
+    """The most probable chain as peaks with levels, from above."""
+    total, before = own.copy(), {}
+    for i, j, levels, odds in links:
+        for level in range(levels, 17):
+            value = total[i, level - levels] + odds + own[j, level]
+            if value > total[j, level]:
+                total[j, level], before[j, level] = value, (i, level - levels)
+    state = tuple(int(k) for k in np.unravel_index(int(np.argmax(total)), total.shape))
+    states = []
+    while state is not None:
+        states.append(state)
+        state = before.get(state)
+    return states[::-1]
+
+
+def marginals(own, links):
+    """Logarithms of the sums over all chains: those that end at a peak as a level, what follows it, all."""
+    above, below = own.copy(), np.zeros_like(own)
+    for i, j, levels, odds in links:
+        above[j, levels:] = np.logaddexp(above[j, levels:], above[i, :-levels] + odds + own[j, levels:])
+    for i, j, levels, odds in reversed(links):
+        below[i, :-levels] = np.logaddexp(below[i, :-levels], odds + own[j, levels:] + below[j, levels:])
+    return above, below, np.logaddexp.reduce(above, axis=None)
+
+
+def counted(own, links, states):
+    """Probability of the levels of a chain (geometric mean over its vertebrae); the most probable other shift, and its probability."""
+    above, below, everything = marginals(own, links)
+    shares = above + below - everything
+    logs = [shares[state] for state in states]
+    odds_of_gap = {(i, j): odds for i, j, levels, odds in links if levels == 2}
+    for (i, upper), (j, lower) in zip(states, states[1:]):
+        if lower - upper == 2:
+            logs.append(above[i, upper] + odds_of_gap[i, j] + own[j, lower] + below[j, lower] - everything)
+    at = lambda peak, level: np.exp(shares[peak, level]) if 0 <= level < 17 else 0.0
+    others = {shift: float(np.mean([at(peak, level + shift) for peak, level in states])) for shift in (-1, 1, -2, 2, -3, 3)}
+    other = max(others, key=others.get)
+    return float(np.exp(np.mean(logs))), other, others[other]
 
 
 def chain_of(peaks):
-    """The chain of peaks, from above, with the largest sum of probabilities and agreement of levels, less costs of steps.
+    """The most probable chain of peaks, from above: its vertebrae, the level of the first one, and how sure the levels are.
 
     A state is a peak as a level, from T1 (0) to L5 (16). The next peak is the next level, or the next but one: then a vertebra
-    that no peak shows is put between. Returns the chain and the level of its first vertebra.
+    that no peak shows is put between.
     """
     peaks = sorted(peaks, key=lambda peak: peak.centre[1])
     if not peaks:
-        return [], 0
-    total = np.zeros((len(peaks), 17))
-    before = {}
-    for j, lower in enumerate(peaks):
-        own = lower.probability + LEVEL_WEIGHT * (np.log(np.maximum(lower.levels, LEVEL_FLOOR)) + LEVEL_GAIN)
-        total[j] = own
-        for i in range(j):
-            for steps in (1, 2):
-                cost = link_cost(peaks[i], lower, steps)
-                if cost > WORST_LINK:
-                    continue
-                for level in range(steps, 17):
-                    value = total[i, level - steps] - cost + own[level]
-                    if value > total[j, level]:
-                        total[j, level] = value
-                        before[j, level] = (i, level - steps)
-    j, level = np.unravel_index(int(np.argmax(total)), total.shape)
-    state, chain = (int(j), int(level)), []
-    while True:
-        chain.append(peaks[state[0]])
-        last = before.get(state)
-        if last is None:
-            return chain[::-1], state[1]
-        if state[1] - last[1] == 2:
-            upper, lower = peaks[last[0]], peaks[state[0]]
+        return [], 0, (0.0, 1, 0.0)
+    own, links = odds_of(peaks, steps_of(peaks), (PEAK_GAIN, PEAK_COST, VOTE_WEIGHT, STEP_WEIGHT, SKIP_COST))
+    states, chain = best_of(own, links), []
+    for place, (peak, level) in enumerate(states):
+        lower = peaks[peak]
+        if place and level - states[place - 1][1] == 2:
+            upper = peaks[states[place - 1][0]]
             middle, corners = (upper.centre + lower.centre) / 2, (upper.corners + lower.corners) / 2
             chain.append(Peak(middle, corners, 0.0, np.full(17, 1 / 17), seen=False))
-        state = last
-
-
-def shares_of_levels(chain, temper):
-    """Probability of every level of the chain's first vertebra, from -(n - 1) to 16."""
-    first = np.arange(-(len(chain) - 1), 17)
-    scores = np.zeros(len(first))
-    for index, level in enumerate(first):
-        for place, peak in enumerate(chain):
-            if peak.seen:
-                here = level + place
-                scores[index] += np.log(max(peak.levels[here], LEVEL_FLOOR) if 0 <= here < 17 else LEVEL_FLOOR / 2)
-    return first, softmax(scores / temper)
-
-
-def beyond(peaks, chain):
-    """The strongest peaks that could be the next vertebra above and below the chain."""
-    above, below = 0.0, 0.0
-    for peak in peaks:
-        if peak.centre[1] < chain[0].centre[1] and link_cost(peak, chain[0], 1) < 1.0:
-            above = max(above, peak.probability)
-        if peak.centre[1] > chain[-1].centre[1] and link_cost(chain[-1], peak, 1) < 1.0:
-            below = max(below, peak.probability)
-    return above, below
-
-
-def counted(peaks, chain, start):
-    """The probability of `start` as the level of the chain's first vertebra, and why it is doubtful."""
-    first, shares = shares_of_levels(chain, LEVEL_TEMPER)
-    best = start + len(chain) - 1
-    third = max(len(chain) // 3, 1)
-    reasons = []
-    from_above = shares_of_levels(chain[:third], 1.0)
-    from_below = shares_of_levels(chain[-third:], 1.0)
-    if from_above[0][int(np.argmax(from_above[1]))] != start:
-        reasons.append("the count from above disagrees")
-    if from_below[0][int(np.argmax(from_below[1]))] - (len(chain) - third) != start:
-        reasons.append("the count from below disagrees")
-    if shares[best] < LEAST_SHARE:
-        reasons.append("another count is likely as well")
-    above, below = beyond(peaks, chain)
-    if above > BEYOND_PEAK:
-        reasons.append("a vertebra may follow above")
-    if below > BEYOND_PEAK:
-        reasons.append("a vertebra may follow below")
-    if min(chain[0].probability, chain[-1].probability) < END_PEAK:
-        reasons.append("the first or last vertebra is weak")
-    if len(chain) < 17:
-        reasons.append(f"{len(chain)} vertebrae of 17")
-    if not all(peak.seen for peak in chain):
-        reasons.append("a vertebra is filled in between two others")
-    return float(shares[best]), reasons
+        chain.append(lower)
+    return chain, states[0][1], counted(own, links, states)
 
 
 def corners_from_patches(kernel, fine, centres):
@@ -223,13 +208,13 @@ def read(kernel, grey, passes=1):
     grid, left, top = coarse_input(grey)
     out = kernel.run("film", grid[None, None])[0]
     peaks = peaks_of(out)
-    chain, start = chain_of(peaks)
+    chain, start, count = chain_of(peaks)
     reading = Reading()
     seen = [peak.probability for peak in chain if peak.seen]
     if len(seen) < LEAST_VERTEBRAE or np.mean(seen) < LEAST_MEAN_PEAK or start + len(chain) - 1 < LEAST_LAST:
         reading.refused = f"no frontal spine found: {len(seen)} vertebrae in a row"
         return reading
-    reading.level_share, reading.reasons = counted(peaks, chain, start)
+    reading.count = count
     kept = [(start + place, peak) for place, peak in enumerate(chain)]
     fine = reduced(grey, FINE_WIDTH, FINE_HEIGHT)
     coarse = grid_scale(grey)
@@ -243,5 +228,5 @@ def read(kernel, grey, passes=1):
     for (level, peak), quad, spread, height in zip(kept, corners / fine_scale, spreads * SD_FACTOR, heights):
         confidence = peak.probability * float(np.exp(-((spread.mean() / height) / 0.25) ** 2))
         reading.vertebrae.append(Vertebra(LEVELS[level], quad, spread / fine_scale.mean(), confidence, peak.seen))
-    reading.levels_doubtful = bool(reading.reasons)
+    reading.levels_doubtful = count[0] < LEAST_SHARE
     return reading

@@ -67,11 +67,11 @@ def judge(kernel, film, grey, passes=1):
             by_place.append(np.hypot(*error.T))
             ratios.append(np.abs(error) / v.sd_px[:, None])
     row.update(
-        shift=shift, mixed=int(np.ptp(shifts)), doubtful=reading.levels_doubtful, share=reading.level_share, found=len(found),
+        shift=shift, mixed=int(np.ptp(shifts)), doubtful=reading.levels_doubtful, share=reading.count[0], found=len(found),
         error_height=(np.array(by_name) / heights.mean() * 100).ravel().tolist(),
         error_width=(np.array(by_name) / film.width_px * 100).ravel().tolist(),
         error_place=(np.array(by_place) / heights.mean() * 100).ravel().tolist(),
-        ratios=np.array(ratios).ravel().tolist(), reasons=reading.reasons,
+        ratios=np.array(ratios).ravel().tolist(), other=reading.count[1],
         confidence=[v.confidence for v in found.values()],
         vertebra_error=[float(np.hypot(*(v.corners - film.corners[l]).T).mean() / heights.mean() * 100) for l, v in found.items()],
     )
@@ -154,7 +154,7 @@ def main():
         print(name, {key: round(float(v), 3) if v is not None else None for key, v in summary(group).items()})
     for row in rows:
         if row["refused"] or row["shift"] or row["mixed"]:
-            print(row["name"], {key: row.get(key) for key in ("refused", "shift", "mixed", "doubtful", "share", "found", "reasons")})
+            print(row["name"], {key: row.get(key) for key in ("refused", "shift", "mixed", "doubtful", "share", "found", "other")})
     if options.dicom:
         for name, grey in negatives(options.dicom):
             reading = read(kernel, grey)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import torch
 from data import FINE_HEIGHT, FINE_WIDTH, coarse_input, reduced
-from decode import SD_FACTOR, Peak, chain_of, corners_from_patches, counted, peaks_of, read
+from decode import SD_FACTOR, Peak, chain_of, corners_from_patches, peaks_of, read
 from export import OUT
 from kernel import Kernel
 from patches import frames, patch
@@ -82,10 +82,10 @@ def main():
     pictures = np.array([patch(fine, *frame) for frame in zip(centres, down, lengths)])
     corners, spreads = corners_from_patches(kernel, fine, centres)
     peaks = peaks_of(out)
-    chain, start = chain_of(peaks)
+    chain, start, count = chain_of(peaks)
     reading = read(kernel, grey)
     made = made_peaks()
-    made_chain, made_start = chain_of(made)
+    made_chain, made_start, made_count = chain_of(made)
     result = {
         "made": {
             "peaks": [
@@ -94,7 +94,7 @@ def main():
             ],
             "chain": [[*p.centre.round(4).tolist(), p.seen] for p in made_chain],
             "first_level": made_start,
-            "count": counted(made, made_chain, made_start),
+            "count": made_count,
         },
         "film": {"width": WIDTH, "height": HEIGHT, **samples(grey)},
         "coarse": {"left": left, "top": top, **samples(grid)},
@@ -108,11 +108,10 @@ def main():
         "peaks": [[*peak.centre.round(3).tolist(), round(peak.probability, 5)] for peak in peaks],
         "chain": [[*peak.centre.round(3).tolist(), peak.seen] for peak in chain],
         "first_level": start,
-        "count": counted(peaks, chain, start),
+        "count": count,
         "sd_factor": SD_FACTOR,
         "reading": {
-            "refused": reading.refused, "levels_doubtful": reading.levels_doubtful, "level_share": reading.level_share,
-            "reasons": reading.reasons,
+            "refused": reading.refused, "levels_doubtful": reading.levels_doubtful,
             "vertebrae": [
                 {"level": v.level, "corners": v.corners.round(2).tolist(), "sd_px": v.sd_px.round(3).tolist(), "confidence": round(v.confidence, 4)}
                 for v in reading.vertebrae

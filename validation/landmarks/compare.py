@@ -157,9 +157,9 @@ def judge_detection(options, films):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     flagged = {}
     for line in done.stdout.splitlines():
-        if line.startswith("  "):
+        if line.startswith("  check the levels"):
             flagged[name] = True
-        else:
+        elif not line.startswith(" "):
             name = Path(line.split(".json")[0]).name
     found = []
     for number, film in enumerate(films, 1):

@@ -12,7 +12,7 @@ async function blur(page: Page, isBlurred: (level: string) => boolean): Promise<
     const response = await route.fetch();
     const seen = (await response.json()) as Api<"DetectionView">;
     const proposals = seen.proposals.map((one) =>
-      isBlurred(one.level) ? { ...one, sd_percent: 20, sd_share: 0.2 } : one,
+      isBlurred(one.level) ? { ...one, is_sure: false } : one,
     );
     await route.fulfill({ response, json: { ...seen, proposals } });
   });

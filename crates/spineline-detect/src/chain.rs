@@ -1,136 +1,38 @@
-//! From the first network's map to centres of vertebrae, to the chain of them that looks most like a spine, to
-//! its levels.
+//! From centres of vertebrae to the chain of them that is most probably a spine, and to the probability of its levels.
 //!
-//! Places are cells of the first network's input: column, row; the spine runs downwards.
+//! A chain gives levels to some centres, from above: the next centre has the next level, or the one after it. Its odds are the product
+//! of a factor per vertebra, by its probability and its votes for the level, and of a factor per step, by its length and direction
+//! ([`Lattice`]). The most probable chain names the vertebrae; the sum over all chains gives the probability of their levels
+//! (forward-backward recursion). The five numbers below were fitted to labelled films by maximum likelihood
+//! (`training/landmarks/levels.py`).
 
-use crate::doubt::Doubt;
-use crate::kernel::Map;
+use crate::count::LevelCount;
+use crate::peaks::{LEVELS, Peak, from, length};
 
-/// Levels from T1 down to L5.
-pub const LEVELS: usize = 17;
-/// Cells of the input per cell of the map.
-const CELL: f64 = 4.0;
-/// Unit of the offsets of corners.
-const UNIT: f64 = 16.0;
-/// First channels of corners and of levels; the centre's is zero.
-const CORNERS: usize = 1;
-const FIRST_LEVEL: usize = 9;
+/// Logarithm of the odds of a vertebra: this times its probability, less a cost.
+const PEAK_GAIN: f64 = 6.1;
+const PEAK_COST: f64 = 1.1;
+/// Weight of the logarithm of its vote for the level. Neighbouring vertebrae err together, so that it is far below one.
+const VOTE_WEIGHT: f64 = 0.07;
+/// Smallest vote, so that a single vertebra cannot decide the count.
+const VOTE_FLOOR: f64 = 0.01;
+/// Weight of the squared deviation of a step.
+const STEP_WEIGHT: f64 = 0.06;
+/// Cost of a vertebra without a centre.
+const SKIP_COST: f64 = 2.35;
 
-/// Centres below this probability are ignored.
-const MIN_PROBABILITY: f64 = 0.10;
-/// Two centres closer than this part of their mean height are one vertebra.
-const MIN_DISTANCE: f64 = 0.5;
 /// Distance between neighbouring centres over the height of a vertebra: geometric mean of the training films.
 const STEP_OVER_HEIGHT: f64 = 1.37;
-/// Deviation of the logarithm of a step, and of its direction in rad, beyond which a neighbour is doubted; 0.11 and 0.05 in the
-/// training films.
+/// Units of the logarithm of a step, and of its direction in rad; their deviations are 0.11 and 0.05 in the training films.
 const STEP_SPREAD: f64 = 0.15;
 const TURN_SPREAD_RAD: f64 = 0.30;
-/// Cost of a vertebra without a centre.
-const SKIP_COST: f64 = 0.5;
-/// Cost of a step beyond which two centres are not neighbours.
-const MAX_LINK_COST: f64 = 2.5;
-/// Weight of the logarithm of a level's probability beside a centre's; a level with probability exp(-2) has no effect.
-const LEVEL_WEIGHT: f64 = 0.08;
-const LEVEL_GAIN: f64 = 2.0;
-/// Smallest probability of a level, so that a single vertebra cannot decide the count.
-const LEVEL_FLOOR: f64 = 0.01;
-/// Errors of neighbouring vertebrae are correlated: their votes for a level count as a quarter of
-/// their number.
-const LEVEL_TEMPER: f64 = 4.0;
-/// A count below this probability is doubted.
-const MIN_COUNT_PROBABILITY: f64 = 0.90;
-/// Another vertebra may follow above or below if a centre above this probability would make a step below this cost.
-const MIN_FOLLOWING_PROBABILITY: f64 = 0.50;
-const MAX_FOLLOWING_COST: f64 = 1.0;
-/// The first and the last vertebra are doubted below this probability.
-const MIN_END_PROBABILITY: f64 = 0.35;
+/// Squared deviation beyond which two centres are not neighbours: the first for neighbours, the second for a vertebra between them.
+const MAX_DEVIATION: [f64; 2] = [10.0, 8.0];
+/// Other counts of the vertebrae that are compared with the count of the chain.
+const SHIFTS: [isize; 6] = [-1, 1, -2, 2, -3, 3];
 
-/// A vertebra as the first network sees it.
-#[derive(Debug, Clone, Copy)]
-pub struct Peak {
-    pub centre: [f64; 2],
-    /// Upper left, upper right, lower left, lower right as seen.
-    pub corners: [[f64; 2]; 4],
-    pub probability: f64,
-    pub levels: [f64; LEVELS],
-    /// Whether the network saw it; else it was interpolated.
-    pub is_seen: bool,
-}
-
-impl Peak {
-    /// From the middle of the upper endplate to the middle of the lower one.
-    fn axis(&self) -> [f64; 2] {
-        let [ul, ur, ll, lr] = self.corners;
-        [0, 1].map(|i| (ll[i] + lr[i] - ul[i] - ur[i]) / 2.0)
-    }
-
-    fn height(&self) -> f64 {
-        length(self.axis()).max(1.0)
-    }
-
-    fn between(upper: &Self, lower: &Self) -> Self {
-        let mean = |a: [f64; 2], b: [f64; 2]| [0, 1].map(|i| (a[i] + b[i]) / 2.0);
-        Self {
-            centre: mean(upper.centre, lower.centre),
-            corners: [0, 1, 2, 3].map(|k| mean(upper.corners[k], lower.corners[k])),
-            probability: 0.0,
-            levels: [1.0 / LEVELS as f64; LEVELS],
-            is_seen: false,
-        }
-    }
-}
-
-/// Local maxima of the centres' probability, the most probable first; of two on one vertebra, only the more
-/// probable one.
-pub fn peaks_of(map: &Map) -> Vec<Peak> {
-    let probability = |row: usize, column: usize| sigmoid(f64::from(map.cell(row, column)[0]));
-    let mut found = Vec::new();
-    for row in 0..map.rows {
-        for column in 0..map.columns {
-            let own = probability(row, column);
-            let rows = row.saturating_sub(1)..(row + 2).min(map.rows);
-            let columns = column.saturating_sub(1)..(column + 2).min(map.columns);
-            let is_largest =
-                || rows.clone().all(|r| columns.clone().all(|c| probability(r, c) <= own));
-            if own >= MIN_PROBABILITY && is_largest() {
-                found.push(peak_at(map, row, column, own));
-            }
-        }
-    }
-    found.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-    let mut kept: Vec<Peak> = Vec::new();
-    for peak in found {
-        let is_apart = |other: &Peak| {
-            let least = MIN_DISTANCE * (peak.height() + other.height()) / 2.0;
-            length(from(other.centre, peak.centre)) > least
-        };
-        if kept.iter().all(is_apart) {
-            kept.push(peak);
-        }
-    }
-    kept
-}
-
-fn peak_at(map: &Map, row: usize, column: usize, probability: f64) -> Peak {
-    let cell = map.cell(row, column);
-    let middle = [(column as f64 + 0.5) * CELL, (row as f64 + 0.5) * CELL];
-    let corners = [0, 1, 2, 3]
-        .map(|k| [0, 1].map(|axis| middle[axis] + UNIT * f64::from(cell[CORNERS + 2 * k + axis])));
-    let centre = [0, 1].map(|axis| corners.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0);
-    let levels: [f64; LEVELS] = std::array::from_fn(|level| f64::from(cell[FIRST_LEVEL + level]));
-    let shares = softmax(&levels);
-    Peak {
-        centre,
-        corners,
-        probability,
-        levels: std::array::from_fn(|level| shares[level]),
-        is_seen: true,
-    }
-}
-
-/// Cost of the lower vertebra being this number of steps below the upper one.
-fn link_cost(upper: &Peak, lower: &Peak, steps: usize) -> f64 {
+/// Squared deviation of the lower vertebra being this number of levels below the upper one.
+fn deviation(upper: &Peak, lower: &Peak, levels: usize) -> f64 {
     let way = from(upper.centre, lower.centre);
     let (above, below) = (upper.axis(), lower.axis());
     let along = [0, 1].map(|i| above[i] / upper.height() + below[i] / lower.height());
@@ -138,10 +40,147 @@ fn link_cost(upper: &Peak, lower: &Peak, steps: usize) -> f64 {
         along[0] * way[1] - along[1] * way[0],
         along[0] * way[0] + along[1] * way[1],
     );
-    let usual = steps as f64 * STEP_OVER_HEIGHT * (upper.height() + lower.height()) / 2.0;
+    let usual = levels as f64 * STEP_OVER_HEIGHT * (upper.height() + lower.height()) / 2.0;
     let ratio = (length(way).max(1e-6) / usual).ln();
-    let doubt = (ratio / STEP_SPREAD).powi(2) + (turn.rad() / TURN_SPREAD_RAD).powi(2);
-    0.25 * doubt + SKIP_COST * (steps - 1) as f64
+    (ratio / STEP_SPREAD).powi(2) + (turn.rad() / TURN_SPREAD_RAD).powi(2)
+}
+
+/// A step between two centres.
+struct Link {
+    upper: usize,
+    lower: usize,
+    /// One, or two with an unseen vertebra between.
+    levels: usize,
+    /// Logarithm of its odds.
+    log_odds: f64,
+}
+
+/// All chains of the centres of a film.
+struct Lattice {
+    /// From above.
+    peaks: Vec<Peak>,
+    /// Logarithms of the odds of every centre as every level.
+    own: Vec<[f64; LEVELS]>,
+    /// By the lower centre.
+    links: Vec<Link>,
+}
+
+/// A centre as a level.
+type State = (usize, usize);
+
+impl Lattice {
+    fn of(peaks: &[Peak]) -> Self {
+        let mut peaks = peaks.to_vec();
+        peaks.sort_by(|a, b| a.centre[1].total_cmp(&b.centre[1]));
+        let own = |peak: &Peak| {
+            let seen = PEAK_GAIN * peak.probability - PEAK_COST;
+            peak.levels.map(|vote| seen + VOTE_WEIGHT * vote.max(VOTE_FLOOR).ln())
+        };
+        let mut links = Vec::new();
+        for lower in 0..peaks.len() {
+            for (upper, levels) in (0..lower).flat_map(|upper| [(upper, 1), (upper, 2)]) {
+                let deviation = deviation(&peaks[upper], &peaks[lower], levels);
+                if deviation < MAX_DEVIATION[levels - 1] {
+                    let log_odds = -STEP_WEIGHT * deviation - SKIP_COST * (levels - 1) as f64;
+                    links.push(Link { upper, lower, levels, log_odds });
+                }
+            }
+        }
+        Self { own: peaks.iter().map(own).collect(), peaks, links }
+    }
+
+    /// The most probable chain, from above.
+    fn best(&self) -> Option<Vec<State>> {
+        let mut totals = self.own.clone();
+        let mut before = vec![[None; LEVELS]; totals.len()];
+        for link in &self.links {
+            for level in link.levels..LEVELS {
+                let above = (link.upper, level - link.levels);
+                let total = totals[above.0][above.1] + link.log_odds + self.own[link.lower][level];
+                if total > totals[link.lower][level] {
+                    totals[link.lower][level] = total;
+                    before[link.lower][level] = Some(above);
+                }
+            }
+        }
+        let states = (0..totals.len()).flat_map(|peak| (0..LEVELS).map(move |level| (peak, level)));
+        // The first one of equal maxima.
+        let better = |a: State, b: State| if totals[b.0][b.1] > totals[a.0][a.1] { b } else { a };
+        let last = states.reduce(better)?;
+        let mut states: Vec<State> =
+            std::iter::successors(Some(last), |&(peak, level)| before[peak][level]).collect();
+        states.reverse();
+        Some(states)
+    }
+
+    /// Logarithms of the probabilities over all chains.
+    fn marginals(&self) -> Marginals<'_> {
+        let (mut above, mut below) = (self.own.clone(), vec![[0.0; LEVELS]; self.own.len()]);
+        for link in &self.links {
+            for level in link.levels..LEVELS {
+                let ending = above[link.upper][level - link.levels] + link.log_odds;
+                let total = &mut above[link.lower][level];
+                *total = log_sum(*total, ending + self.own[link.lower][level]);
+            }
+        }
+        for link in self.links.iter().rev() {
+            for level in link.levels..LEVELS {
+                let following = self.own[link.lower][level] + below[link.lower][level];
+                let total = &mut below[link.upper][level - link.levels];
+                *total = log_sum(*total, link.log_odds + following);
+            }
+        }
+        let all = above.iter().flatten().copied().fold(f64::NEG_INFINITY, log_sum);
+        Marginals { lattice: self, above, below, all }
+    }
+}
+
+/// Sums over all chains: those that end at a centre as a level, what follows it below, and all.
+struct Marginals<'a> {
+    lattice: &'a Lattice,
+    above: Vec<[f64; LEVELS]>,
+    below: Vec<[f64; LEVELS]>,
+    all: f64,
+}
+
+impl Marginals<'_> {
+    /// Logarithm of the probability of a centre as a level.
+    fn of(&self, (peak, level): State) -> f64 {
+        self.above[peak][level] + self.below[peak][level] - self.all
+    }
+
+    /// Logarithm of the probability of two centres with an unseen vertebra between.
+    fn of_gap(&self, upper: State, lower: State) -> f64 {
+        let is_gap = |link: &&Link| (link.upper, link.lower, link.levels) == (upper.0, lower.0, 2);
+        let link = self.lattice.links.iter().find(is_gap);
+        let log_odds = link.map_or(f64::NEG_INFINITY, |link| link.log_odds);
+        let following = self.lattice.own[lower.0][lower.1] + self.below[lower.0][lower.1];
+        self.above[upper.0][upper.1] + log_odds + following - self.all
+    }
+
+    /// How sure the levels of a chain are.
+    fn count(&self, chain: &[State]) -> LevelCount {
+        let seen = chain.iter().map(|&state| self.of(state));
+        let pairs = chain.windows(2).filter(|pair| pair[1].1 - pair[0].1 == 2);
+        let unseen = pairs.map(|pair| self.of_gap(pair[0], pair[1]));
+        let logs: Vec<f64> = seen.chain(unseen).collect();
+        let shifted = |shift: isize| {
+            let of = |&(peak, level): &State| {
+                let level = level.checked_add_signed(shift).filter(|&level| level < LEVELS);
+                level.map_or(0.0, |level| self.of((peak, level)).exp())
+            };
+            (shift, chain.iter().map(of).sum::<f64>() / chain.len() as f64)
+        };
+        let more = |a: (isize, f64), b: (isize, f64)| if b.1 > a.1 { b } else { a };
+        let [first, rest @ ..] = SHIFTS;
+        let (other_shift, other_probability) =
+            rest.map(shifted).into_iter().fold(shifted(first), more);
+        LevelCount {
+            probability: (logs.iter().sum::<f64>() / logs.len() as f64).exp(),
+            other_shift,
+            other_probability,
+        }
+    }
 }
 
 /// A chain of vertebrae from above.
@@ -149,135 +188,31 @@ pub struct Chain {
     pub peaks: Vec<Peak>,
     /// The level of its first vertebra; T1 is zero. The last one is L5 (16) at most.
     pub first_level: usize,
+    /// How sure its levels are.
+    pub count: LevelCount,
 }
 
-/// The chain with the largest sum of probabilities and agreement of levels, less the costs of its steps.
-///
-/// A state is a centre with a level. The next centre has the next level, or the one after it; then the vertebra between
-/// them is interpolated.
+/// The most probable chain of the centres of a film. An unseen vertebra is put between its neighbours.
 pub fn chain_of(peaks: &[Peak]) -> Option<Chain> {
-    let mut peaks = peaks.to_vec();
-    peaks.sort_by(|a, b| a.centre[1].total_cmp(&b.centre[1]));
-    let mut totals: Vec<[f64; LEVELS]> = Vec::with_capacity(peaks.len());
-    let mut links: Vec<[Option<(usize, usize)>; LEVELS]> = Vec::with_capacity(peaks.len());
-    for lower in &peaks {
-        let own = lower.levels.map(|share| {
-            lower.probability + LEVEL_WEIGHT * (share.max(LEVEL_FLOOR).ln() + LEVEL_GAIN)
-        });
-        let (mut best, mut link) = (own, [None; LEVELS]);
-        for (i, (upper, before)) in peaks.iter().zip(&totals).enumerate() {
-            for steps in [1, 2] {
-                let cost = link_cost(upper, lower, steps);
-                if cost > MAX_LINK_COST {
-                    continue;
-                }
-                for level in steps..LEVELS {
-                    let total = before[level - steps] - cost + own[level];
-                    if total > best[level] {
-                        (best[level], link[level]) = (total, Some((i, level - steps)));
-                    }
-                }
-            }
+    let lattice = Lattice::of(peaks);
+    let states = lattice.best()?;
+    let mut chain: Vec<Peak> = Vec::new();
+    for (place, &(peak, level)) in states.iter().enumerate() {
+        let lower = lattice.peaks[peak];
+        let above = place.checked_sub(1).map(|place| states[place]);
+        if let Some((upper, _)) = above.filter(|&(_, before)| level - before == 2) {
+            chain.push(Peak::between(&lattice.peaks[upper], &lower));
         }
-        totals.push(best);
-        links.push(link);
+        chain.push(lower);
     }
-    let states = (0..peaks.len()).flat_map(|peak| (0..LEVELS).map(move |level| (peak, level)));
-    // The first one of equal maxima.
-    let better = |a: (usize, usize), b: (usize, usize)| {
-        if totals[b.0][b.1] > totals[a.0][a.1] { b } else { a }
-    };
-    let mut state = states.reduce(better)?;
-    let mut chain = vec![peaks[state.0]];
-    while let Some(before) = links[state.0][state.1] {
-        if state.1 - before.1 == 2 {
-            chain.push(Peak::between(&peaks[before.0], &peaks[state.0]));
-        }
-        chain.push(peaks[before.0]);
-        state = before;
-    }
-    chain.reverse();
-    Some(Chain { peaks: chain, first_level: state.1 })
+    let count = lattice.marginals().count(&states);
+    Some(Chain { peaks: chain, first_level: states[0].1, count })
 }
 
-/// Why the levels of a chain may be shifted, or vertebrae be missing; with all centres of the film.
-pub fn doubts(peaks: &[Peak], chain: &Chain) -> Vec<Doubt> {
-    let (own, first) = (&chain.peaks, chain.first_level as isize);
-    let third = (own.len() / 3).max(1);
-    let rest = own.len() - third;
-    let mut doubts = Vec::new();
-    if most_probable(&own[..third]) != first {
-        doubts.push(Doubt::CountFromAbove);
-    }
-    if most_probable(&own[rest..]) - rest as isize != first {
-        doubts.push(Doubt::CountFromBelow);
-    }
-    let probability = shares_of_levels(own, LEVEL_TEMPER)[chain.first_level + own.len() - 1];
-    if probability < MIN_COUNT_PROBABILITY {
-        doubts.push(Doubt::OtherCount { probability });
-    }
-    let [top, bottom] = [&own[0], &own[own.len() - 1]];
-    let follows = |upper: &Peak, lower: &Peak| {
-        upper.centre[1] < lower.centre[1] && link_cost(upper, lower, 1) < MAX_FOLLOWING_COST
-    };
-    let is_strong = |peak: &&Peak| peak.probability > MIN_FOLLOWING_PROBABILITY;
-    if peaks.iter().filter(is_strong).any(|peak| follows(peak, top)) {
-        doubts.push(Doubt::MoreAbove);
-    }
-    if peaks.iter().filter(is_strong).any(|peak| follows(bottom, peak)) {
-        doubts.push(Doubt::MoreBelow);
-    }
-    if top.probability.min(bottom.probability) < MIN_END_PROBABILITY {
-        doubts.push(Doubt::WeakEnd);
-    }
-    if own.len() < LEVELS {
-        doubts.push(Doubt::Incomplete { found: own.len() });
-    }
-    if own.iter().any(|peak| !peak.is_seen) {
-        doubts.push(Doubt::FilledIn);
-    }
-    doubts
-}
-
-/// The most probable level of the first vertebra of a part of a chain, by this part alone.
-fn most_probable(part: &[Peak]) -> isize {
-    let shares = shares_of_levels(part, 1.0);
-    let best = (0..shares.len()).reduce(|a, b| if shares[b] > shares[a] { b } else { a });
-    best.expect("there are levels") as isize + 1 - part.len() as isize
-}
-
-/// Probabilities of the levels of the first vertebra of a part of a chain, from `1 - length` to L5.
-fn shares_of_levels(part: &[Peak], temper: f64) -> Vec<f64> {
-    let score = |first: isize| {
-        let own = |(place, peak): (usize, &Peak)| {
-            let level = usize::try_from(first + place as isize).ok();
-            let known = level.and_then(|level| peak.levels.get(level));
-            known.map_or(0.5 * LEVEL_FLOOR, |share| share.max(LEVEL_FLOOR)).ln()
-        };
-        part.iter().enumerate().filter(|(_, peak)| peak.is_seen).map(own).sum::<f64>() / temper
-    };
-    let lowest = 1 - part.len() as isize;
-    softmax(&(lowest..LEVELS as isize).map(score).collect::<Vec<f64>>())
-}
-
-fn sigmoid(x: f64) -> f64 {
-    1.0 / (1.0 + (-x.clamp(-30.0, 30.0)).exp())
-}
-
-/// Shares with a sum of one.
-pub fn softmax(values: &[f64]) -> Vec<f64> {
-    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let powers: Vec<f64> = values.iter().map(|value| (value - largest).exp()).collect();
-    let sum: f64 = powers.iter().sum();
-    powers.iter().map(|power| power / sum).collect()
-}
-
-pub fn from(start: [f64; 2], end: [f64; 2]) -> [f64; 2] {
-    [end[0] - start[0], end[1] - start[1]]
-}
-
-pub fn length(vector: [f64; 2]) -> f64 {
-    vector[0].hypot(vector[1])
+/// Logarithm of the sum of two exponentials.
+fn log_sum(a: f64, b: f64) -> f64 {
+    let (larger, smaller) = if a > b { (a, b) } else { (b, a) };
+    if smaller == f64::NEG_INFINITY { larger } else { larger + (smaller - larger).exp().ln_1p() }
 }
 
 #[cfg(test)]
@@ -322,40 +257,80 @@ mod tests {
         let chain = chain_of(&peaks).expect("a chain");
         assert_eq!(chain.peaks.len(), 5);
         assert!(!chain.peaks[2].is_seen && (chain.peaks[2].centre[1] - row(2)).abs() < 1e-9);
-        assert!(doubts(&peaks, &chain).contains(&Doubt::FilledIn));
+    }
+
+    /// Every chain with the logarithm of its odds.
+    fn every_chain(lattice: &Lattice) -> Vec<(Vec<State>, f64)> {
+        let states = (0..lattice.peaks.len()).flat_map(|k| (0..LEVELS).map(move |l| (k, l)));
+        let mut open: Vec<(Vec<State>, f64)> =
+            states.map(|(k, l)| (vec![(k, l)], lattice.own[k][l])).collect();
+        let mut all = Vec::new();
+        while let Some((chain, log_odds)) = open.pop() {
+            let (k, l) = chain[chain.len() - 1];
+            for link in lattice.links.iter().filter(|link| link.upper == k) {
+                let next = (link.lower, l + link.levels);
+                if next.1 < LEVELS {
+                    let own = lattice.own[next.0][next.1];
+                    let longer = [&chain[..], &[next]].concat();
+                    open.push((longer, log_odds + link.log_odds + own));
+                }
+            }
+            all.push((chain, log_odds));
+        }
+        all
     }
 
     #[test]
-    fn levels_follow_the_votes_and_disagreement_is_doubted() {
-        let of = |shift: [usize; 9]| -> Vec<Peak> {
-            (0..9).map(|k| peak(row(k), k + shift[k])).collect()
+    fn probabilities_and_the_best_chain_are_those_of_all_chains_counted_one_by_one() {
+        let mut peaks: Vec<Peak> = [0, 1, 2, 4, 5].map(|k| peak(row(k), k + 3)).to_vec();
+        peaks[1].probability = 0.3;
+        peaks.push(Peak { probability: 0.2, ..peak(row(2) + 9.0, 6) });
+        let lattice = Lattice::of(&peaks);
+        let all = every_chain(&lattice);
+        let total: f64 = all.iter().map(|(_, log_odds)| log_odds.exp()).sum();
+        let share = |holds: &dyn Fn(&[State]) -> bool| {
+            let these = all.iter().filter(|(chain, _)| holds(chain));
+            these.map(|(_, log_odds)| log_odds.exp()).sum::<f64>() / total
         };
-        let alike = of([2; 9]);
-        let chain = chain_of(&alike).expect("a chain");
-        assert_eq!(chain.first_level, 2);
-        assert_eq!(doubts(&alike, &chain), [Doubt::Incomplete { found: 9 }]);
-        // The upper third votes for one level further down than the others.
-        let torn = of([3, 3, 3, 2, 2, 2, 2, 2, 2]);
-        let chain = chain_of(&torn).expect("a chain");
-        let doubts = doubts(&torn, &chain);
-        assert_eq!(chain.first_level, 2);
-        assert!(
-            doubts.contains(&Doubt::CountFromAbove) && !doubts.contains(&Doubt::CountFromBelow)
-        );
+        let marginals = lattice.marginals();
+        for state in (0..peaks.len()).flat_map(|k| (0..LEVELS).map(move |l| (k, l))) {
+            let expected = share(&|chain| chain.contains(&state));
+            assert!((marginals.of(state).exp() - expected).abs() < 1e-12, "{state:?}");
+        }
+        let (upper, lower) = ((2, 5), (4, 7));
+        let expected = share(&|chain| chain.windows(2).any(|pair| pair == [upper, lower]));
+        assert!(expected > 0.1 && (marginals.of_gap(upper, lower).exp() - expected).abs() < 1e-12);
+        let best = all.iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("chains");
+        assert_eq!(lattice.best().as_ref(), Some(&best.0));
     }
 
     #[test]
-    fn a_whole_chain_ends_at_l5_and_a_further_vertebra_is_doubted() {
+    fn votes_decide_the_count_and_torn_votes_make_it_improbable() {
+        let of = |shift: [usize; 9]| -> LevelCount {
+            let peaks: Vec<Peak> = (0..9).map(|k| peak(row(k), k + shift[k])).collect();
+            let chain = chain_of(&peaks).expect("a chain");
+            assert_eq!((chain.peaks.len(), chain.first_level), (9, 2));
+            chain.count
+        };
+        let (alike, torn) = (of([2; 9]), of([3, 3, 3, 3, 2, 2, 2, 2, 2]));
+        assert!(alike.probability > torn.probability + 0.1, "{alike}; {torn}");
+        assert_eq!(torn.other_shift, 1);
+        assert!(torn.other_probability > 0.2, "{torn}");
+    }
+
+    #[test]
+    fn a_whole_chain_is_sure_and_an_eighteenth_centre_makes_it_doubtful() {
         let mut peaks: Vec<Peak> = (0..17).map(|k| peak(row(k), k)).collect();
         let chain = chain_of(&peaks).expect("a chain");
-        assert_eq!((chain.peaks.len(), doubts(&peaks, &chain)), (17, Vec::new()));
+        assert!(chain.peaks.len() == 17 && chain.count.is_sure(), "{}", chain.count);
+        // Every vertebra votes for two levels alike.
         peaks.push(peak(row(17), 16));
-        let chain = chain_of(&peaks).expect("a chain");
-        assert_eq!(chain.peaks.len(), 17);
-        assert!(!doubts(&peaks, &chain).is_empty());
-        peaks.truncate(17);
-        peaks[0].probability = 0.2;
-        let chain = chain_of(&peaks).expect("a chain");
-        assert!(!doubts(&peaks, &chain).is_empty());
+        for (k, peak) in peaks.iter_mut().enumerate() {
+            let is_voted = |level: usize| level == k || level + 1 == k;
+            peak.levels = std::array::from_fn(|level| if is_voted(level) { 0.5 } else { 0.0 });
+        }
+        let count = chain_of(&peaks).expect("a chain").count;
+        assert!(!count.is_sure() && count.other_shift.abs() == 1, "{count}");
+        assert!((count.probability - count.other_probability).abs() < 0.1, "{count}");
     }
 }

@@ -20,10 +20,11 @@
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
 
 mod chain;
-mod doubt;
+mod count;
 mod grid;
 mod kernel;
 mod patches;
+mod peaks;
 mod picture;
 #[cfg(test)]
 mod reference;
@@ -33,9 +34,10 @@ use spineline::anatomy::{ImageSide, Level};
 use spineline::measure::Corners;
 use spineline::spatial::Pixel;
 
-use chain::{Chain, chain_of, doubts, peaks_of};
-pub use doubt::Doubt;
+use chain::{Chain, chain_of};
+pub use count::LevelCount;
 use grid::{Grid, coarse_input};
+use peaks::peaks_of;
 pub use picture::Picture;
 
 /// A film with fewer consecutive vertebrae is refused.
@@ -49,6 +51,10 @@ const MIN_MEAN_PROBABILITY: f64 = 0.30;
 const FINE: [usize; 2] = [512, 896];
 /// Confidence falls to 1/e where the deviation of the corners is this part of the height.
 const CONFIDENCE_SD_SHARE: f64 = 0.25;
+/// Largest standard deviation of a corner, as a part of the height, of a vertebra that is clearly found. On 54 validation films the corners
+/// of 28 % of the vertebrae with 13 to 15 % are on average wrong by more than a quarter of the height, of 52 % with 16 to 18 %, and of
+/// 85 % with 19 to 22 %. Where 45 % are wrong, a look and a correction take as long as two clicks.
+const CLEAR_SD_SHARE: f64 = 0.155;
 /// Minimum side of a film.
 const MIN_SIDE_PX: usize = 64;
 
@@ -69,6 +75,14 @@ pub struct DetectedVertebra {
     pub votes: [f64; Level::ALL.len()],
 }
 
+impl DetectedVertebra {
+    /// Whether a person may accept it together with others after a look.
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        self.is_seen && self.sd_share <= CLEAR_SD_SHARE
+    }
+}
+
 /// The body of a vertebra in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeenBody {
@@ -83,8 +97,21 @@ pub struct SeenBody {
 pub struct Detection {
     /// Vertebrae, caudal first.
     pub vertebrae: Vec<DetectedVertebra>,
-    /// Why the levels may be shifted by one or more; empty without such a reason.
-    pub doubts: Vec<Doubt>,
+    /// How sure their levels are.
+    pub count: LevelCount,
+    /// Vertebrae that would lie beyond the edge of the film, and are left out.
+    pub beyond_edge: usize,
+}
+
+impl Detection {
+    /// Why a person has to check the levels, in words.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        let levels = (!self.count.is_sure()).then(|| self.count.to_string());
+        let edge = (self.beyond_edge > 0)
+            .then(|| format!("{} left out beyond the edge of the film", self.beyond_edge));
+        levels.into_iter().chain(edge).collect()
+    }
 }
 
 /// Why the program proposes nothing for a film.
@@ -145,18 +172,15 @@ pub fn detect(picture: &Picture<'_>) -> Result<Detection, Refusal> {
     }
     let mut vertebrae = placed(picture, &coarse, &chain);
     vertebrae.reverse();
-    let mut doubts = doubts(&peaks, &chain);
     let found = vertebrae.len();
     vertebrae.retain(|one| one.corners.points().into_iter().all(|corner| picture.holds(corner)));
-    if vertebrae.len() < found {
-        doubts.push(Doubt::BeyondEdge { vertebrae: found - vertebrae.len() });
-    }
-    Ok(Detection { vertebrae, doubts })
+    let beyond_edge = found - vertebrae.len();
+    Ok(Detection { vertebrae, count: chain.count, beyond_edge })
 }
 
 /// The vertebrae of a chain with the corners that the second network places.
 fn placed(picture: &Picture<'_>, coarse: &grid::Coarse, chain: &Chain) -> Vec<DetectedVertebra> {
-    let centre = |peak: &chain::Peak| {
+    let centre = |peak: &peaks::Peak| {
         let [column, row] =
             [0, 1].map(|axis| (peak.centre[axis] - coarse.corner[axis]) / coarse.scale[axis]);
         Pixel::new(column - 0.5, row - 0.5)
@@ -172,7 +196,7 @@ fn placed(picture: &Picture<'_>, coarse: &grid::Coarse, chain: &Chain) -> Vec<De
                 sd_share,
                 confidence: peak.probability * (-doubt).exp(),
                 is_seen: peak.is_seen,
-                votes: std::array::from_fn(|vote| peak.levels[chain::LEVELS - 1 - vote]),
+                votes: std::array::from_fn(|vote| peak.levels[peaks::LEVELS - 1 - vote]),
             }
         })
         .collect()

@@ -2,9 +2,9 @@
 //!
 //! Places are cells of the film's fine grid: column, row.
 
-use crate::chain::{from, length, softmax};
 use crate::grid::Grid;
 use crate::kernel::Map;
+use crate::peaks::{from, length, softmax};
 use crate::weights;
 
 /// Samples along a side of a patch.

@@ -11,20 +11,15 @@ const MEND_S = 3;
 const BEGIN_S = 0.8 + 1.5 + 2 + 0.8;
 
 /**
- * Largest standard deviation of a corner, in percent of the height, of a vertebra that is clearly found. To look at a vertebra and to
- * mend it if it is wrong takes as long as two clicks where 45 % are wrong: 0.3 s + 0.45 × 3 s. On 54 validation films, the corners
- * of 28 % of the vertebrae with 13 to 15 % are on average wrong by more than a quarter of the height, of 52 % with 16 to 18 %,
- * and of 85 % with 19 to 22 %. Vertebrae that the erect film determines have the same limit.
+ * Share of clearly found vertebrae whose corners are on average wrong by more than a quarter of the height, on 54 validation films.
+ * A look and the mending of wrong ones take as long as two clicks where 45 % are wrong.
  */
-const CLEAR_SD_PERCENT = 15;
-
-/** Share of clearly found vertebrae that are wrong in this way. */
-const WRONG_SHARE = 110 / 760;
+const WRONG_SHARE = 105 / 752;
 
 /** Whether a vertebra was found in the picture clearly or is to be checked; null if it was not found there. */
-export function clarity({ sd_share, sd_percent }: Proposal): "clear" | "check" | null {
+export function clarity({ sd_share, is_sure }: Proposal): "clear" | "check" | null {
   if (sd_share == null) return null;
-  return sd_percent <= CLEAR_SD_PERCENT ? "clear" : "check";
+  return is_sure ? "clear" : "check";
 }
 
 const withClarity = (

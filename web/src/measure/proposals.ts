@@ -75,8 +75,9 @@ export function acceptable(
 ): Proposal[] {
   const ready = open.filter((proposal) => {
     const walls = reading.vertebrae.find(({ level }) => level === proposal.level)?.walls;
-    const isReady = proposal.is_sure || clarity(proposal) === "clear";
-    return isReady || (way === "walls" && walls?.left_px != null && walls.right_px != null);
+    return (
+      proposal.is_sure || (way === "walls" && walls?.left_px != null && walls.right_px != null)
+    );
   });
   if (ready.length > 0 || (way === "walls" && !onRequest)) return ready;
   return open.filter(({ level }) => target && "level" in target && target.level === level);
@@ -123,18 +124,18 @@ export function dragged(
 export interface Detected {
   readonly found: readonly Proposal[];
   readonly doubt: string | null;
-  readonly matched: string | null;
+  readonly levels: string;
   readonly trouble: Trouble | null;
 }
 
-export const UNSEEN: Detected = { found: [], doubt: null, matched: null, trouble: null };
+export const UNSEEN: Detected = { found: [], doubt: null, levels: "", trouble: null };
 
 /** The vertebrae that the program finds in the picture. */
 export async function detected(reading: number): Promise<Detected> {
   const what = "No vertebrae found in the picture";
   try {
-    const { proposals, refused, doubt = null, matched = null } = await detectVertebrae(reading);
-    return { found: proposals, doubt, matched, trouble: refused ? { what, error: refused } : null };
+    const { proposals, refused, doubt = null, levels } = await detectVertebrae(reading);
+    return { found: proposals, doubt, levels, trouble: refused ? { what, error: refused } : null };
   } catch (error) {
     return { ...UNSEEN, trouble: { what, error } };
   }
@@ -142,7 +143,7 @@ export async function detected(reading: number): Promise<Detected> {
 
 /** The sure proposals that the picture contradicts; without an answer their stated deviation counts. */
 export async function misfits(reading: number, proposals: readonly Proposal[]): Promise<string[]> {
-  if (!proposals.some(({ is_sure }) => is_sure)) return [];
+  if (!proposals.some((proposal) => proposal.is_sure && clarity(proposal) === null)) return [];
   return findMisfits(reading).then(
     ({ levels }) => levels,
     () => [],
@@ -154,7 +155,7 @@ export function aboutProposals(
   marking: Pick<Marking, "detection" | "offer" | "proposals" | "misfits">,
 ): Message[] {
   const { detection, offer, proposals, misfits } = marking;
-  const { doubt, matched } = detection;
+  const { doubt, levels } = detection;
   // The doubt has all the room: outlines and list show what is to check.
   const left = offer || doubt !== null ? "" : leftWords(proposals);
   const help = "U names all vertebrae one level up, J one level down.";
@@ -169,7 +170,7 @@ export function aboutProposals(
         text: `Check the levels first (U, J): ${doubt}`,
         help,
       },
-    matched !== null && { severity: "note", text: `Levels: ${matched}` },
+    levels !== "" && levels !== doubt && { severity: "note", text: `Levels: ${levels}` },
     left !== "" && { severity: "note", text: left },
   ];
   return told.filter((one) => one !== false);

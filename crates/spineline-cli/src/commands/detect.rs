@@ -211,7 +211,7 @@ fn in_picture(film: &FilmFile, image: &ImageGeometry) -> Result<Detection, Refus
 }
 
 fn add_summary(text: &mut Lines, film: &str, detection: &Detection) {
-    let Detection { vertebrae, doubts } = detection;
+    let vertebrae = &detection.vertebrae;
     let ends = vertebrae.first().zip(vertebrae.last());
     let range =
         ends.map_or_else(String::new, |(low, high)| format!(", {} to {}", low.level, high.level));
@@ -227,7 +227,10 @@ fn add_summary(text: &mut Lines, film: &str, detection: &Detection) {
         fixed(confidence, 0),
         fixed(sd, 0)
     ));
-    for doubt in doubts {
+    if detection.count.is_sure() {
+        text.line(format!("  {}", detection.count));
+    }
+    for doubt in detection.doubts() {
         text.line(format!("  check the levels: {doubt}"));
     }
 }

@@ -199,7 +199,8 @@ pub struct Proposal {
     pub sd_percent: f64,
     /// The same as a part of the height, to be accepted with the corners, where they were found in the picture.
     pub sd_share: Option<f64>,
-    /// Whether the erect film and the reader's clicks determine it well enough to accept it without a click on it.
+    /// Whether it may be accepted without a click on it: the erect film and the reader's clicks determine it, or it is clearly found in
+    /// the picture.
     pub is_sure: bool,
 }
 
@@ -208,10 +209,10 @@ pub struct Proposal {
 pub struct DetectionView {
     /// Why nothing is proposed, as text.
     pub refused: Option<String>,
-    /// Why the levels may be shifted, as text.
+    /// How sure the levels are, as text: their probability, or their match to a finished erect film.
+    pub levels: String,
+    /// Why a person has to check the levels, as text.
     pub doubt: Option<String>,
-    /// How the levels were matched to the erect film, as text; absent without a finished one.
-    pub matched: Option<String>,
     /// The vertebrae, caudal first.
     pub proposals: Vec<Proposal>,
 }

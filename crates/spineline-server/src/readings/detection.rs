@@ -131,30 +131,33 @@ fn picture<'a>(screen: &Screen, image: &ImageGeometry, values: &'a [f32]) -> Pic
 }
 
 fn refused(text: String) -> DetectionView {
-    DetectionView { refused: Some(text), doubt: None, matched: None, proposals: Vec::new() }
+    DetectionView { refused: Some(text), levels: String::new(), doubt: None, proposals: Vec::new() }
 }
 
 fn view(
-    Detection { mut vertebrae, doubts }: Detection,
+    found: Detection,
     image: &ImageGeometry,
     erect: Option<&ErectFilm>,
     is_other_posture: bool,
 ) -> DetectionView {
-    let mut texts: Vec<String> = doubts.iter().map(ToString::to_string).collect();
+    let mut doubts = found.doubts();
     if is_other_posture {
-        texts.push("the program was trained on films of standing patients only".to_owned());
+        doubts.push("the program was trained on films of standing patients only".to_owned());
     }
+    let Detection { mut vertebrae, count, .. } = found;
     let matched = erect.and_then(|erect| {
         vertebrae.retain(|found| found.is_seen);
         let body =
             |found: &DetectedVertebra| NamelessBody { corners: found.corners, votes: found.votes };
         erect.match_levels(image, &vertebrae.iter().map(body).collect::<Vec<_>>())
     });
+    let mut doubt = (!doubts.is_empty()).then(|| doubts.join("; "));
     if let Some(matched) = &matched {
         let named = vertebrae.into_iter().zip(&matched.levels);
         let named =
             named.filter_map(|(found, &level)| Some(DetectedVertebra { level: level?, ..found }));
         vertebrae = named.collect();
+        doubt = doubt.map(|doubt| format!("without the erect film: {doubt}"));
     }
     let proposal = |found: &DetectedVertebra| Proposal {
         level: found.level.to_string(),
@@ -164,12 +167,12 @@ fn view(
             .collect(),
         sd_percent: (100.0 * found.sd_share).round(),
         sd_share: Some(found.sd_share),
-        is_sure: false,
+        is_sure: found.is_clear(),
     };
     DetectionView {
         refused: None,
-        doubt: (!texts.is_empty()).then(|| texts.join("; ")),
-        matched: matched.map(|matched| matched.to_string()),
+        levels: matched.map_or_else(|| count.to_string(), |matched| matched.to_string()),
+        doubt,
         proposals: vertebrae.iter().map(proposal).collect(),
     }
 }

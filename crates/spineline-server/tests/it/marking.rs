@@ -179,6 +179,6 @@ fn a_bend_is_completed_from_ten_clicks_and_the_erect_film() {
     assert!(widths.len() == 10 && widths.iter().all(|width| (85.0..115.0).contains(width)));
 
     let found = browser.post(&format!("/api/readings/{reading}/detection"), &json!(null)).json();
-    let matched = found["matched"].as_str().expect("a match");
+    let matched = found["levels"].as_str().expect("a match");
     assert!(matched.starts_with("matched to the erect film; second best is"), "{matched}");
 }
