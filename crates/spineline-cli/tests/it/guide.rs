@@ -6,6 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use spineline::warning::WarningCode;
+
 /// Commands of a page.
 struct Block {
     /// Page and line.
@@ -103,4 +105,13 @@ fn every_page_is_in_the_summary() {
         let is_page = name.ends_with(".md") && name != "SUMMARY.md";
         assert!(!is_page || listed.contains(&name), "{name} is not in the summary");
     }
+}
+
+#[test]
+fn the_guide_says_what_to_do_about_every_warning() {
+    let checks = fs::read_to_string(guide().join("checks.md")).expect("a page");
+    let missing =
+        WarningCode::ALL.iter().filter(|code| !checks.contains(&format!("`{}`", code.key())));
+    let missing: Vec<_> = missing.map(|code| code.key()).collect();
+    assert!(missing.is_empty(), "checks.md names no {missing:?}");
 }
