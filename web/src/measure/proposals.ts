@@ -53,7 +53,7 @@ export function proposedPlace(proposal: Proposal, corner: Corner): FilmPoint | n
 export function openProposals(reading: ReadingView, found: readonly Proposal[]): Proposal[] {
   const of = (level: string) => reading.vertebrae.find((one) => one.level === level);
   const isOpen = ({ level }: Proposal): boolean => (of(level)?.corners.length ?? 0) === 0;
-  // A click on a vertebra replaces what was found there.
+  // A click on a vertebra replaces the one found there.
   const isUnclicked = ({ level }: Proposal): boolean => {
     const walls = of(level)?.walls;
     return walls?.left_px == null && walls?.right_px == null;

@@ -144,6 +144,28 @@ pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut W
     }
 }
 
+/// A vertebra that the erect film does not show, beside the end vertebra of a curve, may be its end vertebra.
+pub(super) fn warn_of_unmarked_ends(
+    curves: &[ClinicalCurve],
+    erect: &Outline,
+    warnings: &mut Warnings,
+) {
+    for curve in curves {
+        for end in [curve.ends.inferior, curve.ends.superior] {
+            let is_beside = |level| [end.next_above(), end.next_below()].contains(&Some(level));
+            let mut unmarked = erect.interpolated().map(|(vertebra, _)| vertebra.level);
+            let Some(level) = unmarked.find(|&level| is_beside(level)) else { continue };
+            let text = format!(
+                "the {} curve ends at {end}, and {level} beside it is not marked: its {} of {} may be too small; mark {level} if the film shows it",
+                curve.region,
+                curve.size_name(),
+                curve.erect_size().abs().text(0)
+            );
+            warnings.vertebra(WarningCode::EndVertebraNotMarked, Posture::Erect, level, text);
+        }
+    }
+}
+
 /// Apical rotation for every degree of a curve's size: 22° in curves of about 60° before surgery (assumption).
 const ROTATION_PER_DEGREE: f64 = 0.37;
 /// Size of a curve below which its vertebrae turn little.

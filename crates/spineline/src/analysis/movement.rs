@@ -1,12 +1,12 @@
 //! The results before any force: curves, rotations, and the unloaded spine.
 
-use super::checks::warn_of_unknown_rotation;
+use super::checks::{warn_of_unknown_rotation, warn_of_unmarked_ends};
 use super::measured::{at_erect_length, measure, widths_mm};
 use super::{AnalysisOptions, BestFitLine, Case, Grouping, Reference, Replicated};
 use crate::anatomy::{Level, Levels, Posture, Region, SagittalProfile, trunk_weight_shares};
 use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
-    Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions,
+    Balance, ClinicalCurve, CobbEnds, CurvePlaces, EndChoice, LenkeType, RegionBounds, Regions,
     SpatialMeasures, film_tilts, lenke_type, measure_balance, measure_curves,
 };
 use crate::curve::{
@@ -108,6 +108,9 @@ impl Movement {
         let regions = Regions::from_inflections(&fits[0], &inflections, &locations, warnings);
         let all: Vec<&Outline> = outlines.iter().collect();
         let clinical = measure_curves(&regions, &all, &options.ends);
+        if options.ends == EndChoice::default() {
+            warn_of_unmarked_ends(&clinical, &outlines[0], warnings);
+        }
         let chain = chain_of(&fits)?;
         let unmoved = |(outline, fit)| FilmMovement::unmoved(outline, fit, &chain);
         let films: Vec<FilmMovement> = outlines.into_iter().zip(fits).map(unmoved).collect();

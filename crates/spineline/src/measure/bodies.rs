@@ -51,6 +51,16 @@ impl CheckedFilm {
             }
         }
     }
+
+    /// Warns about this film.
+    pub fn warn_of_film(self, code: WarningCode, text: String, warnings: &mut Warnings) {
+        match self {
+            Self::Frontal(posture) => {
+                warnings.film(code, posture, text);
+            }
+            Self::Lateral => warnings.push(code, format!("lateral film: {text}")),
+        }
+    }
 }
 
 /// The bodies of one reading, caudal first.

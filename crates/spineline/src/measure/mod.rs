@@ -43,6 +43,7 @@ mod placing;
 mod plausibility;
 mod program_corners;
 mod readings;
+mod readings_apart;
 mod rounding;
 mod seen_levels;
 mod shared_errors;

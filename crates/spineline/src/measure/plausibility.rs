@@ -4,6 +4,7 @@ use super::bodies::{CheckedFilm, ReadBodies, median};
 use super::confidence::warn_of_confidence;
 use super::lengths::warn_of_lengths;
 use super::neighbours::warn_of_corners_off_the_trend;
+use super::readings_apart::warn_of_readings_apart;
 use super::rounding::warn_of_rounding;
 use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, ReadingId, VertebraLandmarks};
 use crate::anatomy::Level;
@@ -119,8 +120,9 @@ pub fn judge_reading(film: &Film, id: &ReadingId) -> Warnings {
         readings.retain(|reading| reading.id == *id);
     }
     warn_of_implausible_landmarks(&alone, &mut warnings);
-    let film_checked = CheckedFilm::Frontal(film.posture);
-    warn_of_outliers(film_checked, &ReadBodies::of_film(film), Some(id), &mut warnings);
+    let (film_checked, readings) = (CheckedFilm::Frontal(film.posture), ReadBodies::of_film(film));
+    warn_of_outliers(film_checked, &readings, Some(id), &mut warnings);
+    warn_of_readings_apart(film_checked, &readings, Some(id), &mut warnings);
     warnings
 }
 
@@ -137,6 +139,7 @@ pub(super) fn warn_of_corners(
         warn_of_corners_off_the_trend(film, reading, warnings);
     }
     warn_of_outliers(film, readings, None, warnings);
+    warn_of_readings_apart(film, readings, None, warnings);
 }
 
 /// Opposite sides of one body.

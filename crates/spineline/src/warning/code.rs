@@ -129,7 +129,7 @@ warning_codes! {
         LevelLeftOut = "level_left_out": Warning;
         /// The levels were placed on a midline of the back surface, and no vertebra was seen.
         LevelsEstimated = "levels_estimated": Warning;
-        /// The widths of the bodies match the neighbours on the erect film.
+        /// The widths of the bodies match the neighbours on the erect film, or two readings of a film name its vertebrae one level apart.
         LevelsMayBeShifted = "levels_may_be_shifted": Warning, DoubtsFilm;
         /// A program found a corner of this vertebra with a low confidence.
         LowConfidence = "low_confidence": Warning;
@@ -141,6 +141,8 @@ warning_codes! {
         OtherBodyPart = "other_body_part": Warning, DoubtsFilm, OfPicture;
         /// A DICOM file states another patient than the file of an earlier film.
         PatientDiffers = "patient_differs": Warning, DoubtsFilm, OfPicture;
+        /// Two readings of a film place its vertebrae far apart.
+        ReadingsApart = "readings_apart": Warning;
         /// Some readings of a film lack a vertebra that others have.
         ReadingsIncomplete = "readings_incomplete": Warning;
         /// Every film was read once, so that the reliability of the readings is not known.
@@ -161,6 +163,8 @@ warning_codes! {
         TiltsDisagreeWithLocations = "tilts_disagree_with_locations": Warning;
     }
     Clinical {
+        /// A vertebra beside the end vertebra of a curve is not marked, and the angle of the curve may be too small.
+        EndVertebraNotMarked = "end_vertebra_not_marked": Warning;
         /// The erect curve or the model file does not give three regions, and the usual limits of regions are used.
         UsualRegions = "usual_regions": Note;
     }

@@ -211,6 +211,53 @@ fn a_reading_is_compared_with_the_others_without_warnings_about_them() {
 }
 
 #[test]
+fn readings_that_name_the_vertebrae_one_level_apart_doubt_the_film() {
+    let shifted = |by: isize| {
+        let mut case = exact_case(0);
+        let (_, _, all) = landmarks(film_mut(&mut case, Posture::Erect));
+        let names = |(&level, landmark): (&Level, &VertebraLandmarks)| {
+            let place = Level::ALL.iter().position(|one| *one == level)?;
+            let name = Level::ALL.get(place.checked_add_signed(by)?)?;
+            Some((*name, *landmark))
+        };
+        let vertebrae = all[0].vertebrae.iter().filter_map(names).collect();
+        all.push(Reading { id: ReadingId::new("B", 1), vertebrae });
+        let first = all[0].id.clone();
+        (case, first)
+    };
+    assert!(judge_landmarks(erect(&shifted(0).0)).all().is_empty());
+    for (by, words) in [(1, "one level higher"), (-1, "one level lower"), (2, "two levels higher")]
+    {
+        let (case, first) = shifted(by);
+        let all = judge_landmarks(erect(&case));
+        let found = all.all().iter().find(|one| one.code == WarningCode::LevelsMayBeShifted);
+        let text = &found.expect("a doubt").message;
+        assert!(text.starts_with("observer B (repeat 1) names") && text.contains(words), "{text}");
+        // A reader sees it too, on this reading and on the other one.
+        for id in [ReadingId::new("B", 1), first] {
+            assert!(judge_reading(erect(&case), &id).has(WarningCode::LevelsMayBeShifted));
+        }
+    }
+}
+
+#[test]
+fn readings_that_are_far_apart_are_reported() {
+    let mut case = exact_case(0);
+    let (image, _, all) = landmarks(film_mut(&mut case, Posture::Erect));
+    let mm = image.spacing.expect("a spacing").column_mm;
+    let mut other = all[0].clone();
+    other.id = ReadingId::new("B", 1);
+    for landmark in other.vertebrae.values_mut() {
+        let moved = |place: Pixel| Pixel::new(place.column_px + 12.0 / mm, place.row_px);
+        landmark.corners = landmark.corners.map(moved);
+    }
+    all.push(other);
+    let found = judge_landmarks(erect(&case));
+    assert!(found.has(WarningCode::ReadingsApart), "{:?}", found.all());
+    assert!(!found.has(WarningCode::LevelsMayBeShifted));
+}
+
+#[test]
 fn films_with_placements_have_no_corners_to_judge() {
     let film = exact_case(0).films.remove(0);
     let readings =

@@ -114,6 +114,31 @@ fn an_interpolated_vertebra_is_within_its_stated_uncertainty() {
 }
 
 #[test]
+fn a_curve_says_that_the_vertebra_beside_its_end_is_not_marked() {
+    let case = exact_case(0);
+    let whole = analyzed(&case, &on_a_table());
+    let of = |case: &Case| {
+        let found = analyzed(case, &on_a_table());
+        let all = found.warnings.all().iter();
+        let all = all.filter(|one| one.code == WarningCode::EndVertebraNotMarked);
+        (all.map(|one| one.level).collect::<Vec<_>>(), found)
+    };
+    assert!(of(&case).0.is_empty());
+    let main = &whole.movement.clinical[1];
+    let end = main.ends.superior;
+    let mut partial = case.clone();
+    hide(film_mut(&mut partial, Posture::Erect), |level| level == end);
+    let (levels, found) = of(&partial);
+    let smaller = &found.movement.clinical[1];
+    assert!(smaller.erect_size().abs() < main.erect_size().abs());
+    assert!(levels.contains(&Some(end)), "{levels:?}");
+    // A hidden vertebra in the middle of a curve is not beside an end.
+    let mut middle = case.clone();
+    hide(film_mut(&mut middle, Posture::Erect), |level| level == main.apex);
+    assert!(of(&middle).0.is_empty());
+}
+
+#[test]
 fn a_vertebra_hidden_on_one_bend_leaves_the_bend_in_the_fit() {
     let case = exact_case(0);
     let whole = analyzed(&case, &on_a_table());
