@@ -15,14 +15,14 @@ use crate::phrases::none;
 
 /// The 95 % interval of the mean stiffness of a multiplier's joints.
 pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
-    let end = |end: ProfileEnd, open: f64| match end {
-        ProfileEnd::At(log) => fixed(scale * log.exp(), 2),
-        ProfileEnd::Open if open < 1.0 => format!("below {}", fixed(scale * open, 2)),
-        ProfileEnd::Open => format!("above {}", fixed(scale * open, 1)),
-        ProfileEnd::Lost(_) => "?".to_owned(),
-    };
-    let Some([low, high]) = one.interval_95() else { return "unknown".to_owned() };
-    format!("{} to {}", end(low, 0.1), end(high, 10.0))
+    let at = |log: f64| fixed(scale * log.exp(), 2);
+    match one.interval_95() {
+        Some([ProfileEnd::At(low), ProfileEnd::At(high)]) => format!("{} to {}", at(low), at(high)),
+        Some([ProfileEnd::At(low), ProfileEnd::Open]) => format!("above {}", at(low)),
+        Some([ProfileEnd::Open, ProfileEnd::At(high)]) => format!("below {}", at(high)),
+        Some([ProfileEnd::Open, ProfileEnd::Open]) => "not bounded".to_owned(),
+        Some(_) | None => "unknown".to_owned(),
+    }
 }
 
 /// Identifiability of every multiplier by the bending films.

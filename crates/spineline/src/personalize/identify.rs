@@ -101,15 +101,14 @@ impl MultiplierInformation {
         Some((1.0 - ratio * ratio).clamp(0.0, 1.0))
     }
 
-    /// Ends of the 95 % interval of `ln` stiffness over its joints, within the bounds of multipliers.
+    /// Ends of the 95 % interval of `ln` stiffness over its joints: the lower one is open below the bounds of multipliers, and the upper one
+    /// above them.
     #[must_use]
     pub fn interval_95(&self) -> Option<[ProfileEnd; 2]> {
-        let bounds = MULTIPLIER_BOUNDS.map(f64::ln);
-        let within = |end: f64| {
-            let is_inside = (bounds[0]..=bounds[1]).contains(&end);
-            if is_inside { ProfileEnd::At(end) } else { ProfileEnd::Open }
-        };
-        Some(self.stiffness?.log_interval_95().map(within))
+        let [least, most] = MULTIPLIER_BOUNDS.map(f64::ln);
+        let [lower, upper] = self.stiffness?.log_interval_95();
+        let end = |end: f64, is_open| if is_open { ProfileEnd::Open } else { ProfileEnd::At(end) };
+        Some([end(lower, lower < least), end(upper, upper > most)])
     }
 
     /// What the films identify, by this interval.
@@ -417,4 +416,26 @@ fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<StiffnessDirection> {
         .collect();
     directions.sort_by(|a, b| b.log_sd.total_cmp(&a.log_sd));
     directions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_beyond_the_bounds_is_limited_on_the_side_that_it_has() {
+        let of = |ends: [f64; 2]| {
+            let [low, high] = ends.map(f64::ln);
+            let (log_mean, log_reach) = (f64::midpoint(low, high), 0.5 * (high - low));
+            let profile =
+                Profile { points: Vec::new(), lower: ProfileEnd::Open, upper: ProfileEnd::Open };
+            let stiffness = Some(GroupStiffness { log_mean, log_sd: 0.5 * log_reach, log_reach });
+            MultiplierInformation { log_sd: 1.0, log_sd_with_prior: None, profile, stiffness }
+                .verdict()
+        };
+        assert_eq!(of([0.5, 2.0]), IntervalVerdict::Interval);
+        assert_eq!(of([12.0, 40.0]), IntervalVerdict::OnlyLower);
+        assert_eq!(of([0.01, 0.05]), IntervalVerdict::OnlyUpper);
+        assert_eq!(of([0.05, 40.0]), IntervalVerdict::NotIdentified);
+    }
 }
