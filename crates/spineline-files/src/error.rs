@@ -197,12 +197,20 @@ pub enum FileError {
     #[error("the rows of `covariance_deg2` have different lengths")]
     PriorRows,
     /// A model whose parts do not fit together.
-    #[error("a model of {vertebrae} vertebrae needs {} joints, and has {joints}", vertebrae.saturating_sub(1))]
+    #[error(
+        "a model needs at least two vertebrae and one joint between neighbours, and has {vertebrae} vertebrae and {joints} joints"
+    )]
     ModelShape {
         /// Vertebrae.
         vertebrae: usize,
         /// Joints.
         joints: usize,
+    },
+    /// A model in newtons without a measured force.
+    #[error("`absolute` is true and `gauge` is `{gauge}`; only a known force gives newtons")]
+    ModelAbsolute {
+        /// The scale constraint.
+        gauge: String,
     },
     /// Vertebrae of a model that are not in their order.
     #[error("vertebrae must be ordered from caudal to cranial, but {above} follows {below}")]
@@ -392,6 +400,7 @@ impl FileError {
                 "`spineline schema stiffness` prints the format; give every joint from L4/L3 to T3/T2 one row"
             }
             Self::ModelShape { .. }
+            | Self::ModelAbsolute { .. }
             | Self::ModelOrder { .. }
             | Self::ModelJoint { .. }
             | Self::ModelPlace { .. }

@@ -2,6 +2,7 @@ use serde::{Deserialize, Serialize};
 use spineline::action::LineKind;
 use spineline::analysis::{
     Analysis, AxialSource, FilmLoad, LineModel, Movement, PersonalisedModel, PitchSource,
+    is_case_id,
 };
 use spineline::anatomy::{Level, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
@@ -14,6 +15,8 @@ use crate::{FileError, Provenance};
 
 const FORMAT: &str = "spineline-model";
 const VERSION: u32 = 1;
+/// The scale constraint that makes a model absolute.
+const KNOWN_FORCE: &str = "known_force";
 /// Tolerance of a vertebra's axes as a rotation.
 const AXES_TOLERANCE: f64 = 1e-6;
 
@@ -250,7 +253,13 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
 impl ModelFile {
     /// Its content, for a simulation.
     fn stored(self) -> Result<StoredModel, FileError> {
-        if self.vertebrae.len() != self.joints.len() + 1 {
+        if !is_case_id(&self.case_id) {
+            return Err(FileError::CaseId { found: self.case_id });
+        }
+        if self.absolute && self.gauge != KNOWN_FORCE {
+            return Err(FileError::ModelAbsolute { gauge: self.gauge });
+        }
+        if self.joints.is_empty() || self.vertebrae.len() != self.joints.len() + 1 {
             let (vertebrae, joints) = (self.vertebrae.len(), self.joints.len());
             return Err(FileError::ModelShape { vertebrae, joints });
         }

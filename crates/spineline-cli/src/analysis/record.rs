@@ -12,6 +12,7 @@ use crate::options::method::MethodArgs;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::run::failure::Failure;
 use crate::run::inputs::{CaseInput, read_input};
+use crate::run::known_patients::KnownPatients;
 use crate::run::provenance::this_run;
 
 /// The request of this run, and the files that it has read for all cases.
@@ -29,6 +30,7 @@ pub struct RunRecord {
 pub struct ReadCases {
     /// By identifier, in the order in which they were added.
     cases: IndexMap<String, ReadCase>,
+    known: KnownPatients,
 }
 
 struct ReadCase {
@@ -88,7 +90,7 @@ impl ReadCases {
     /// Adds a case.
     ///
     /// # Errors
-    /// If its identifier was read before (a cohort would count its patient twice), or if the distribution of joint rotations was
+    /// If its patient was read before ([`KnownPatients`]), or if the distribution of joint rotations was
     /// learned from it (it would predict its own data).
     pub fn add(&mut self, source: &CaseInput, record: &RunRecord) -> Result<(), Failure> {
         let (name, id) = (&source.input.name, &source.case.id);
@@ -96,10 +98,7 @@ impl ReadCases {
             let known = prior.check_case(&source.input.sha256, id);
             known.map_err(|error| Failure::file(Path::new(name), &error))?;
         }
-        if self.cases.contains_key(id) {
-            let text = format!("the case {id} was given already");
-            return Err(Failure::input(name, &text, "give every case its own `case_id`"));
-        }
+        self.known.add(name, &source.case)?;
         let other = |asked: &Request| asked.options != record.request.options;
         let case = ReadCase {
             input: source.input.clone(),

@@ -14,6 +14,7 @@ use crate::options::choice::choice;
 use crate::options::values::threads;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
+use crate::run::known_patients::KnownPatients;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print_document};
 use crate::run::provenance::{generator, this_run};
@@ -55,7 +56,7 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
     let paths = case_files(&args.cases)?;
     let outputs = Outputs::new(args.overwrite, paths.iter().map(PathBuf::as_path));
     outputs.file(&args.out)?;
-    let Patients { patients, inputs, ending } = read(&paths, args)?;
+    let Patients { patients, inputs, ending, .. } = read(&paths, args)?;
     let learned = learn_rotation_prior(&patients, SEED);
     let learned = learned.map_err(|error| {
         let help = "give the folders of more cases, each with an erect and a bending film";
@@ -77,6 +78,7 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
 
 /// The patients that are learned from.
 struct Patients {
+    known: KnownPatients,
     patients: Vec<CohortPatient>,
     inputs: Vec<InputFile>,
     ending: Ending,
@@ -90,7 +92,12 @@ fn read(paths: &[PathBuf], args: &LearnPriorArgs) -> Result<Patients, Failure> {
         let analysis = analyze_input(path, &input, &options)?;
         Ok::<_, Failure>((CohortPatient::of(&analysis), input))
     })?;
-    let mut patients = Patients { patients: Vec::new(), inputs: Vec::new(), ending: Ending::Done };
+    let mut patients = Patients {
+        known: KnownPatients::default(),
+        patients: Vec::new(),
+        inputs: Vec::new(),
+        ending: Ending::Done,
+    };
     for result in results {
         match result.and_then(|(patient, source)| patients.checked(patient, source)) {
             Ok((patient, input)) => {
@@ -109,7 +116,7 @@ fn read(paths: &[PathBuf], args: &LearnPriorArgs) -> Result<Patients, Failure> {
 impl Patients {
     /// Refuses a patient who was read before or has a doubted film.
     fn checked(
-        &self,
+        &mut self,
         patient: CohortPatient,
         source: CaseInput,
     ) -> Result<(CohortPatient, InputFile), Failure> {
@@ -120,9 +127,7 @@ impl Patients {
                 help,
             ))
         };
-        if self.patients.iter().any(|earlier| earlier.case_id() == patient.case_id()) {
-            return refused("was given already", "give every case its own `case_id`");
-        }
+        self.known.add(&source.input.name, &source.case)?;
         if patient.has_doubted_film() {
             return refused(
                 "has a film that may not show what it is named after, so nothing is learned from it",

@@ -134,6 +134,8 @@ fn an_analysis_says_how_many_replicates_count() {
         let file: Value = serde_json::from_str(&text).expect("JSON");
         assert_eq!(file["uncertainty"]["done"], counted);
         assert_eq!(file["uncertainty"]["replicates"], 1_000_000);
+        let (_, error, code) = crate::program::run(here.path(), &["rerun", "a.json"]);
+        assert!(code == 3 && error.contains(&format!("after {counted} of 1000000")), "{error}");
     }
 }
 

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use indexmap::IndexSet;
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{FilmQuantities, QuantityReliability, RatedQuantity, assess};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
@@ -13,6 +12,7 @@ use spineline_tables::statistics_table;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files, input_of};
+use crate::run::known_patients::KnownPatients;
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print_document};
 use crate::run::provenance::{generator, in_svg, this_run};
 
@@ -143,16 +143,14 @@ fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
 }
 
 fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
-    let (mut ids, mut quantities) = (IndexSet::new(), FilmQuantities::default());
+    let (mut known, mut quantities) = (KnownPatients::default(), FilmQuantities::default());
+    let mut case_ids = Vec::new();
     let (mut synthetic, mut inputs) = (false, Vec::new());
     for path in case_files(given)? {
         let CaseInput { case, input, .. } = CaseInput::read(&path)?;
         inputs.push(input);
         let place = path.display().to_string();
-        if !ids.insert(case.id.clone()) {
-            let text = format!("the case {} was given already", case.id);
-            return Err(Failure::input(&place, &text, "give every case its own `case_id`"));
-        }
+        known.add(&place, &case)?;
         let films = case
             .films
             .iter()
@@ -161,8 +159,8 @@ fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
         let films = films.map_err(|error| Failure::input(&place, &error, error.help()))?;
         synthetic |= case.synthetic;
         quantities.add(&case.id, &films);
+        case_ids.push(case.id);
     }
-    let case_ids = ids.into_iter().collect();
     Ok(Readings { quantities: quantities.finish(), synthetic, inputs, case_ids })
 }
 

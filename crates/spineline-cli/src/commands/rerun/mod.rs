@@ -206,6 +206,12 @@ impl Repeated {
     fn of(args: &RerunArgs, old: &Value) -> Result<Self, Failure> {
         let stored = parse_analysis(&old.to_string()).map_err(|e| Failure::file(&args.file, &e))?;
         let StoredAnalysis { case, request, .. } = &stored;
+        let [done, asked] = ["done", "replicates"].map(|key| old["uncertainty"][key].as_u64());
+        if let Some((done, asked)) = done.zip(asked).filter(|(done, asked)| done < asked) {
+            let text = format!("its analysis was interrupted after {done} of {asked} replicates");
+            let help = "only a whole analysis can be repeated; analyze the case again";
+            return Err(Failure::input(&args.file.display().to_string(), &text, help));
+        }
         let mut analysis = analyze_case(&args.file, case, &request.options)?;
         analysis.warnings.merge(&picture_warnings(old));
         let confidence = Confidence::compute(case, &analysis, request, args.threads)?;
