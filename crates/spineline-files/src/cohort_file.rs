@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::anatomy::Posture;
 use spineline::cohort::{
     BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, ComparisonOutcome, DoubtedFilm,
@@ -18,7 +18,7 @@ use crate::analysis_file::NumbersRecord;
 use crate::refused_file::RefusedRecord;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(test, schemars(title = "Spineline cohort, version 1"))]
 pub struct CohortFile {
@@ -70,7 +70,7 @@ pub struct CohortFile {
 }
 
 /// Curves, rotations of segments, and the two estimates of the least-rotating segments.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct MovementRecord {
     curve_residual_mm: SampleRecord,
@@ -88,7 +88,7 @@ struct MovementRecord {
 }
 
 /// Inflections against MMS_Mean as estimates of the least-rotating segments.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EstimatesRecord {
     /// `distance_segments` or `rotation_deg`.
@@ -106,7 +106,7 @@ struct EstimatesRecord {
 }
 
 /// How the tests of a single force along a line ended.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct OutcomesRecord {
     /// By patient with a model of the line, all bends together.
@@ -115,7 +115,7 @@ struct OutcomesRecord {
     bends: CountsRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CountsRecord {
     rejected: usize,
@@ -125,7 +125,7 @@ struct CountsRecord {
     doubted: usize,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ErrorsRecord {
     line: String,
@@ -138,7 +138,7 @@ struct ErrorsRecord {
     ferguson_deg: SampleRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SampleRecord {
     patients: usize,
@@ -154,7 +154,7 @@ struct SampleRecord {
 }
 
 /// A line without a result on a film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct MissingRecord {
     case_id: String,
@@ -167,7 +167,7 @@ struct MissingRecord {
 }
 
 /// A film that may not show what it is named after.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct DoubtedRecord {
     case_id: String,
@@ -179,7 +179,7 @@ struct DoubtedRecord {
 }
 
 /// Patients whose models have the same vertebrae.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ChainRecord {
     /// Such as `L4`.
@@ -190,7 +190,7 @@ struct ChainRecord {
 }
 
 /// Two lines on the films that both could simulate. Differences are first minus second.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TestRecord {
     lines: [String; 2],
@@ -227,7 +227,7 @@ struct TestRecord {
 }
 
 /// A pattern of joint rotations that predicts films from T2 alone.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineRecord {
     /// `mirrored_bend`, `published_mobility` or `other_patients`.
@@ -239,7 +239,7 @@ struct BaselineRecord {
 }
 
 /// A line, or another load and base, against a baseline, on the films that both predict.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineTestRecord {
     /// Name of the line, or of the load and base.
@@ -259,7 +259,7 @@ struct BaselineTestRecord {
     outcome: ComparisonOutcome,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PairedRecord {
     n: usize,

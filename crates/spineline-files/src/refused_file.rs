@@ -1,10 +1,10 @@
 //! A case without a result, as it stands among analyses and in the file of a cohort.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::cohort::{RefusalStep, RefusedCase};
 
 /// A given case without a result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RefusedRecord {
     /// Name of its file, without folders.
@@ -29,7 +29,7 @@ impl RefusedRecord {
 }
 
 /// An item of a list of analyses that stands for a case without a result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(test, schemars(title = "Spineline refused case, version 1"))]
 pub struct RefusedFile {

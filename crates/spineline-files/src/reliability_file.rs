@@ -1,6 +1,6 @@
 //! Reliability of readings, as a file and as a part of an analysis file.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
 };
@@ -8,7 +8,7 @@ use spineline::reliability::{
 use crate::Provenance;
 
 /// Reliability and error of readings. Lengths in the unit of their quantity, angles in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(test, schemars(title = "Spineline reliability, version 1"))]
 pub struct ReliabilityFile {
@@ -17,7 +17,7 @@ pub struct ReliabilityFile {
     /// Program that wrote it.
     generator: String,
     /// Provenance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
     /// Whether any reading is of synthetic films.
     synthetic: bool,
@@ -25,7 +25,7 @@ pub struct ReliabilityFile {
 }
 
 /// One quantity in all designs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct QuantityRecord {
     quantity: String,
@@ -35,7 +35,7 @@ pub(crate) struct QuantityRecord {
     designs: Vec<DesignRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct DesignRecord {
     /// `inter_observer_means`, `inter_observer_single` or `intra_observer`.
@@ -56,7 +56,7 @@ struct DesignRecord {
     remarks: Vec<RemarkRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct StatisticRecord {
     statistic: String,
@@ -76,7 +76,7 @@ struct StatisticRecord {
     interval_undefined: Option<ReasonRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BlandAltmanRecord {
     /// Differences are the second minus the first.
@@ -90,7 +90,7 @@ struct BlandAltmanRecord {
     interval_undefined: Option<ReasonRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ReasonRecord {
     code: String,

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::{Level, Region};
 use spineline::clinical::CurvePlaces;
@@ -19,7 +19,7 @@ use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance};
 /// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
 /// convex to the left. Numbers have ten significant digits.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(test, schemars(title = "Spineline simulation, version 1"))]
 pub struct SimulationFile {
@@ -30,7 +30,7 @@ pub struct SimulationFile {
     /// Program that wrote it.
     generator: String,
     /// Provenance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
     case_id: String,
     /// Whether the films of the model, and so all results, are synthetic.
@@ -56,11 +56,11 @@ pub struct SimulationFile {
     path: Vec<PathRecord>,
     warnings: Vec<SimulationWarning>,
     /// Effect of landmark noise on the numbers before and under the loads; absent if no replicates were requested.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     uncertainty: Option<SimulationUncertainty>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum GoalRecord {
@@ -71,7 +71,7 @@ enum GoalRecord {
 }
 
 /// A warning of a simulation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SimulationWarning {
     /// Which warning it is.
@@ -88,7 +88,7 @@ impl SimulationWarning {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
@@ -96,13 +96,12 @@ struct AnglesRecord {
     /// Between endplates, positive where convex to the left; empty where the model file has no endplates.
     cobb_deg: BTreeMap<Region, f64>,
     /// Tilt of the upper minus tilt of the lower end vertebra; positive where convex to the left.
-    #[serde(default)]
     tilt_range_deg: BTreeMap<Region, f64>,
     /// Positive where convex to the left.
     ferguson_deg: BTreeMap<Region, f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EquilibriumRecord {
     /// `along` or `against` the loads.
@@ -129,7 +128,7 @@ struct EquilibriumRecord {
     angles: AnglesRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SpringForceRecord {
     /// Which load, from 1.
@@ -140,7 +139,7 @@ struct SpringForceRecord {
     force_n: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct RodReactionRecord {
     /// Which load, from 1.
@@ -153,7 +152,7 @@ struct RodReactionRecord {
     moment_nmm: [f64; 3],
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EventRecord {
     /// `limit_point` or `branch_point`.
@@ -164,7 +163,7 @@ struct EventRecord {
     arc_rad: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PathRecord {
     direction: String,

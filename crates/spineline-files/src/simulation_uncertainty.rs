@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::anatomy::{Posture, Region};
 use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
 
@@ -9,7 +9,7 @@ use crate::analysis_file::NoiseRecord;
 /// Results of replicates with perturbed landmarks under the same loads. The intervals cover landmark noise and the scales of the
 /// films against the erect one; they do not cover the errors of the model, of the loads and of the erect film's scale, and no bias
 /// that all observers share.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct SimulationUncertainty {
     /// Replicates requested.
@@ -27,13 +27,13 @@ pub(crate) struct SimulationUncertainty {
 }
 
 /// Distribution of one number.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LoadedSpreadRecord {
     /// `cobb`, `tilt_range`, `ferguson`, `lateral_tilt`, `top_tilt`, `top_offset`, `coronal_balance` or `factor`. Angles of curves are
     /// positive where convex to the left, tilts to the right, distances to the left.
     quantity: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     region: Option<Region>,
     /// `erect`, `loaded`, or `change`: loaded minus erect.
     state: String,

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::analysis::{
     Analysis, BAND_COVERAGE, BendEvidence, ComparedFilm, ComparedLine, Compatibility, FilmBands,
     FilmRole, FreeNumbers, LinesCompared,
@@ -15,7 +15,7 @@ use super::model::ModelRecord;
 use super::posture::ScaleRecord;
 
 /// Every line on the films on which it has a result, every bend left out once.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ComparisonRecord {
     /// Whether all lines were fitted to the same data. A free line needs the whole shape also where the others are fitted to
@@ -43,7 +43,7 @@ pub(super) struct ComparisonRecord {
 }
 
 /// A model beside the prediction without mechanics with the smallest error on the films of a role.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AgainstRecord {
     /// Name of the line, or of the load and base.
@@ -57,7 +57,7 @@ struct AgainstRecord {
     difference_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LineRecord {
     /// Data of the fit: `shape` or `ferguson`.
@@ -68,7 +68,7 @@ struct LineRecord {
 }
 
 /// Numbers that a model takes from films.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct NumbersRecord {
     /// Free stiffness multipliers: one less than there are, where only ratios are identified.
@@ -83,7 +83,7 @@ pub(crate) struct NumbersRecord {
     per_predicted_film: usize,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ErrorsRecord {
     films: usize,
@@ -91,7 +91,7 @@ struct ErrorsRecord {
     ferguson_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FilmRecord {
     posture: Posture,
@@ -100,15 +100,15 @@ struct FilmRecord {
     /// By line; `null` where it has no result.
     location_mm: BTreeMap<String, Option<f64>>,
     /// Predictions without mechanics, by pattern of joint rotations; empty for fitted films.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     baselines: BTreeMap<String, BaselineRecord>,
     /// By line and prediction without mechanics; empty for fitted films.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     band_95: BTreeMap<String, BandRecord>,
 }
 
 /// A film as a pattern of joint rotations without mechanics predicts it, from T2 alone.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineRecord {
     /// `converged` or how else the fit to T2 ended.
@@ -120,7 +120,7 @@ struct BaselineRecord {
     location_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CompatibilityRecord {
     /// Outcome of all bends for the line.
@@ -132,7 +132,7 @@ struct CompatibilityRecord {
     without_force: Vec<Posture>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BendRecord {
     posture: Posture,

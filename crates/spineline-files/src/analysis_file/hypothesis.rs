@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::anatomy::{Levels, Posture};
 use spineline::evaluate::Band;
 use spineline::hypothesis::{HypothesisFit, LostPrediction, ShapePrediction};
@@ -12,7 +12,7 @@ use super::band::BandRecord;
 use super::posture::ScaleRecord;
 
 /// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct HypothesisRecord {
     /// How the fit to all bends ended; `beyond_human_range` where a fitted film has a shape that no human spine can have.
@@ -33,11 +33,11 @@ pub(super) struct HypothesisRecord {
     /// Films without a prediction, by role.
     lost: BTreeMap<String, Vec<Posture>>,
     /// The lost films whose shape is beyond the human range of motion, by role.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     beyond_human_range: BTreeMap<String, Vec<Posture>>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PredictionRecord {
     posture: Posture,
@@ -61,13 +61,13 @@ struct PredictionRecord {
     /// Their part in the work of all joints.
     work_against: f64,
     /// Scale of the film against the erect film, from T2 for a film that was not fitted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     film_scale: Option<ScaleRecord>,
     /// L4 to T2.
     locations_mm: Vec<[f64; 2]>,
     tilts_deg: Vec<f64>,
     /// Absent for films to which the load was fitted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     band_95: Option<BandRecord>,
 }
 

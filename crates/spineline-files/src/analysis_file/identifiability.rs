@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::multibody::JointGroups;
 use spineline::personalize::{
     Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, STIFFNESS_COVERAGE,
@@ -9,7 +9,7 @@ use spineline::personalize::{
 
 /// Identifiability of a model's multipliers from the bending films, in natural logarithms, at the scales of the films that were
 /// found before the fit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct IdentifiabilityRecord {
     /// How often `interval_95` holds the true mean stiffness.
@@ -26,7 +26,7 @@ pub(super) struct IdentifiabilityRecord {
     degrees_of_freedom: usize,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InformationRecord {
     /// `interval`, `only_lower`, `only_upper`, `not_identified` or `unknown`, by `interval_95`.
@@ -40,13 +40,13 @@ struct InformationRecord {
     /// From the films alone; `null` where they do not fix it.
     log_sd: Option<f64>,
     /// With the prior; absent without a prior.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     log_sd_with_prior: Option<f64>,
     profile: ProfileRecord,
 }
 
 /// The best fit with this multiplier held at one value after another.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ProfileRecord {
     log_multiplier: Vec<f64>,
@@ -54,7 +54,7 @@ struct ProfileRecord {
     rise: Vec<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct DirectionRecord {
     /// Its part in every multiplier's logarithm.

@@ -13,7 +13,7 @@ mod uncertainty;
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
 use spineline::clinical::{Balance, ClinicalCurve, EndAngles};
@@ -43,7 +43,7 @@ const VERSION: u32 = 1;
 /// The result of an analysis, with all that is needed to repeat it. Lengths in mm of the films' plane, angles in degrees,
 /// frontal points `[y, z]` with y
 /// to the patient's left and z cranial; positive angles tilt to the patient's right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(test, schemars(title = "Spineline analysis, version 1"))]
 pub struct AnalysisFile {
@@ -66,10 +66,10 @@ pub struct AnalysisFile {
     /// Where the spine's sagittal profile comes from: `measured` on the lateral film, or a `population`'s.
     sagittal_profile: String,
     /// The erect spine in space; absent without a lateral film.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     space: Option<SpaceRecord>,
     /// Axial rotations of vertebrae whose pedicles are marked; absent without any, and then unknown.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     axial_rotation: BTreeMap<Level, AxialRecord>,
     postures: BTreeMap<Posture, PostureRecord>,
     /// Reliability of the readings, by quantity; `null` where every film was read once.
@@ -79,17 +79,17 @@ pub struct AnalysisFile {
     /// The lines on the same films, every bend left out once; `null` without a model.
     comparison: Option<ComparisonRecord>,
     /// Other loads and bases, such as `couple` or `inflection_line+free_base`; absent if not requested.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     hypotheses: BTreeMap<String, HypothesisRecord>,
     /// Uncertainty of every number from landmark noise; absent if not requested.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     uncertainty: Option<UncertaintyRecord>,
     warnings: Vec<WarningRecord>,
     /// The case itself, as it was read.
     case: CaseFile,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ChainRecord {
     /// Number of segments on the erect curve: the paper's n.
@@ -102,7 +102,7 @@ struct ChainRecord {
     difference: u32,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InflectionRecord {
     /// Segment of the chain, from 0.
@@ -115,21 +115,21 @@ struct InflectionRecord {
     erect_px: Option<[f64; 2]>,
     /// 95 % interval along the erect curve, measured from the base (L4), by landmark noise and the unknown form of the curve. Absent
     /// where it reaches an end of the spine, where the erect film has no spacing, and where the inflections were picked by hand.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     interval_95_along_mm: Option<[f64; 2]>,
     /// The vertebrae between which that interval lies, caudal first.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     interval_95_between: Option<[Level; 2]>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TurnRecord {
     /// Positive where the spine turns to the patient's right as it rises.
     turn_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ClinicalRecord {
     /// Lenke's curve type as far as frontal films determine it.
@@ -153,7 +153,7 @@ impl ClinicalRecord {
 }
 
 /// The balance of the spine over the pelvis on the erect film. Distances are from the central sacral vertical line.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BalanceRecord {
     /// Landmark that stands for the sacrum: `iliac_crests`, `l5` or `base`.
@@ -186,7 +186,7 @@ impl BalanceRecord {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ClinicalCurveRecord {
     /// Lower and upper end vertebra on the erect film.
@@ -197,7 +197,6 @@ struct ClinicalCurveRecord {
     /// Superior endplate of the upper against the inferior endplate of the lower end vertebra; films without corners have none.
     cobb_deg: BTreeMap<Posture, f64>,
     /// Tilt of the upper minus tilt of the lower end vertebra.
-    #[serde(default)]
     tilt_range_deg: BTreeMap<Posture, f64>,
     ferguson_deg: BTreeMap<Posture, f64>,
     /// Distance of the apex from the central sacral vertical line, positive to the patient's left; absent where the erect film
@@ -211,7 +210,7 @@ struct ClinicalCurveRecord {
     flexibility: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct WarningRecord {
     code: WarningCode,

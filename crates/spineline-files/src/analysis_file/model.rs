@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::{Level, Levels, Posture, Region};
@@ -13,7 +13,7 @@ use super::identifiability::IdentifiabilityRecord;
 use super::points::{by_level, point};
 use super::posture::ScaleRecord;
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ModelRecord {
     /// Lateral stiffness multipliers by region, or by joint; under `geometric_mean` only their ratios are meaningful.
@@ -26,12 +26,12 @@ pub(super) struct ModelRecord {
     absolute: bool,
     fit: FitRecord,
     /// Identifiability of the multipliers; absent if not requested or if the fit did not converge.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) identifiability: Option<IdentifiabilityRecord>,
     postures: BTreeMap<Posture, SimulationRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FitRecord {
     /// `converged`, `iteration_limit` or `not_evaluable`.
@@ -45,7 +45,7 @@ struct FitRecord {
     singular_values: Vec<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SimulationRecord {
     /// Whether the stiffness was fitted to this film; else it was held out.
@@ -53,7 +53,7 @@ struct SimulationRecord {
     /// `converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result.
     status: String,
     /// Scale of the film against the erect film, from T2 for a film that was not fitted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     film_scale: Option<ScaleRecord>,
     /// Signed force along the line's direction: newtons where the model is `absolute`, else relative to the nominal stiffness.
     #[serde(rename = "force")]
@@ -80,7 +80,7 @@ struct SimulationRecord {
     contradicted_joints: Vec<ContradictedRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LineRecord {
     point_mm: [f64; 2],
@@ -91,7 +91,7 @@ struct LineRecord {
     depth_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AlternativeRecord {
     /// As `force` of the simulation.
@@ -100,14 +100,14 @@ struct AlternativeRecord {
     ferguson_rms_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LocationErrorRecord {
     mean: f64,
     levels: BTreeMap<Level, f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ContradictedRecord {
     inferior: Level,

@@ -1,7 +1,7 @@
 use spineline::anatomy::Level;
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::analysis::{BestFitLine, FilmMovement, LineComparison};
 use spineline::curve::{CurveFit, CurveForm};
 use spineline::measure::{
@@ -14,7 +14,7 @@ use spineline::spatial::{Angle, Frontal};
 
 use super::points::{by_level, point_mm, point_px};
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct PostureRecord {
     lengths: LengthsRecord,
@@ -30,12 +30,12 @@ pub(super) struct PostureRecord {
     tilts_deg: BTreeMap<Level, f64>,
     /// Vertebrae that this film does not show: their locations and tilts are interpolated, and take no part in fits and
     /// location errors. Absent where all are marked.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     interpolated: BTreeMap<Level, InterpolatedRecord>,
     /// How the corners of vertebrae came about that a person did not click in all readings: `completed`, `detected`, `accepted`,
     /// `adjusted`, or `mixed` where corners or readings differ; the case has the origin of each corner. Absent where all were
     /// clicked.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     origins: BTreeMap<Level, String>,
     /// Lateral tilt of the line between two vertebrae against the normal of the iliac line, or L4's axis.
     amplitude_deg: f64,
@@ -57,7 +57,7 @@ pub(super) struct PostureRecord {
 }
 
 /// Scale of a film's lengths. An error of scale changes all of them by the same factor, and no angle.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LengthsRecord {
     /// `patient`, `detector`, `unknown` (millimetres of an unknown plane) or `pixels`.
@@ -67,7 +67,7 @@ struct LengthsRecord {
     /// Standard deviation of the scale, as a part of it.
     relative_sd: Option<f64>,
     /// This film against the erect one; absent for the erect film.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     against_erect: Option<FilmLengthRecord>,
     /// Length of the line through the midpoints L4 to T2, and its standard deviation from the scale alone.
     spine_mm: Option<f64>,
@@ -75,7 +75,7 @@ struct LengthsRecord {
 }
 
 /// The length of the spine on a film over its length on the erect film. Locations of the film are divided by `scale`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FilmLengthRecord {
     /// From the locations alone.
@@ -87,12 +87,12 @@ struct FilmLengthRecord {
 }
 
 /// A film's scale against the erect film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ScaleRecord {
     scale: f64,
     /// Its 95 % interval; absent where the scale is fixed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     scale_interval_95: Option<[f64; 2]>,
 }
 
@@ -104,7 +104,7 @@ impl From<FilmScale> for ScaleRecord {
 }
 
 /// From what a vertebra was interpolated, and its standard deviations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InterpolatedRecord {
     /// The next marked vertebrae below and above.
@@ -115,7 +115,7 @@ struct InterpolatedRecord {
     tilt_sd_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CurveRecord {
     order: usize,
@@ -129,7 +129,7 @@ struct CurveRecord {
 }
 
 /// Standard deviation of a measured value.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct NoiseRecord {
     location_mm: Option<f64>,
@@ -139,7 +139,7 @@ struct NoiseRecord {
     measured: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EstimateRecord {
     segment: usize,
@@ -150,7 +150,7 @@ struct EstimateRecord {
 }
 
 /// The line of best fit to the film's rotations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BestFitLineRecord {
     point_mm: [f64; 2],
@@ -168,7 +168,7 @@ struct BestFitLineRecord {
     joint_log_sd: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CrossingRecord {
     z_mm: f64,
@@ -178,7 +178,7 @@ struct CrossingRecord {
     interval_95_mm: Option<[f64; 2]>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LineComparisonRecord {
     angle_deg: f64,
@@ -188,7 +188,7 @@ struct LineComparisonRecord {
     test: TestRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TestRecord {
     /// Sum of squares of what vanishes if it is true, in standard deviations.

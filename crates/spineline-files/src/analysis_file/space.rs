@@ -3,7 +3,7 @@
 use spineline::anatomy::Level;
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::analysis::{Analysis, TemplateError};
 use spineline::clinical::SpatialNumber;
 use spineline::measure::{
@@ -12,7 +12,7 @@ use spineline::measure::{
 use spineline::spatial::Angle;
 
 /// The erect spine from the erect and the lateral film together. `2d` is as a film shows it, `3d` is in space.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct SpaceRecord {
     alignment: AlignmentRecord,
@@ -25,12 +25,12 @@ pub(super) struct SpaceRecord {
     /// Kyphosis, lordosis, planes of maximum curvature and length, each named 2-D (one film) or 3-D (in space).
     measures: Vec<MeasureRecord>,
     /// The profile that a model without the lateral film has, against the measured one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     template: Option<TemplateRecord>,
 }
 
 /// The profile of a population less the measured one, over the vertebrae of the model that the lateral film shows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TemplateRecord {
     /// Joints between two such vertebrae.
@@ -58,7 +58,7 @@ impl TemplateRecord {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct MeasureRecord {
     /// Such as `kyphosis_t5_t12_axes`, `curve_largest` or `spinal_length`.
@@ -66,7 +66,7 @@ struct MeasureRecord {
     /// Vertebrae between which it is measured, the upper one first.
     between: String,
     /// Region of a curve.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     region: Option<String>,
     /// `2-D` or `3-D`.
     dimension: String,
@@ -93,7 +93,7 @@ impl MeasureRecord {
 }
 
 /// The lateral film against the erect one, from the heights of the vertebrae on both.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AlignmentRecord {
     /// Whether both films were exposed together, so that nothing but a missing scale was estimated.
@@ -112,7 +112,7 @@ struct AlignmentRecord {
 }
 
 /// One vertebra by the line through the centres of both endplates.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct VertebraRecord {
     /// From the lowest vertebra on both films: anterior, left, cranial by the vertical of the films; absent where the erect film has no
@@ -186,7 +186,7 @@ impl VertebraRecord {
 }
 
 /// Axial rotation of a vertebra from its pedicles on the erect film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct AxialRecord {
     /// After Stokes; positive where its front turns to the patient's left.

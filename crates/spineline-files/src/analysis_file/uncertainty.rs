@@ -1,13 +1,13 @@
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
 use spineline::spatial::Angle;
 use spineline::uncertainty::{FilmNoise, QuantitySpread, Uncertainty, VertebraNoise};
 
 /// Uncertainty of every number from landmark noise: Monte Carlo replicates with perturbed landmarks.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct UncertaintyRecord {
     /// Replicates requested.
@@ -24,7 +24,7 @@ pub(super) struct UncertaintyRecord {
 }
 
 /// Standard deviation of one reading of a film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct NoiseRecord {
     /// `readings` (their standard deviation), `assumed` (no repeated reading) or `given`.
@@ -39,7 +39,7 @@ pub(crate) struct NoiseRecord {
     tilt_sd_deg: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FailureRecord {
     /// Of the error that stopped an analysis, or `fit_not_converged` or `force_not_found`.
@@ -50,7 +50,7 @@ struct FailureRecord {
 }
 
 /// Distribution of one number.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SpreadRecord {
     /// Its kind; the keys after `unit` say which one.
@@ -59,17 +59,17 @@ struct SpreadRecord {
     label: String,
     /// `mm`, `px`, `deg`, `segments`, `N`, `relative` (a force relative to the nominal stiffness) or `1`.
     unit: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     posture: Option<Posture>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     level: Option<Level>,
     /// Region, or the joints that share a multiplier.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     group: Option<String>,
     /// `caudal` or `cranial`: which inflection or window.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     end: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     line: Option<String>,
     /// In the case itself.
     value: Option<f64>,
@@ -78,10 +78,9 @@ struct SpreadRecord {
     /// `null` where the value is at a bound of the fit, and for distances and absolute errors, which any noise makes larger.
     interval_95: Option<[f64; 2]>,
     /// How often the interval of a multiplier holds the true one; absent for other numbers.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     interval_coverage: Option<String>,
     /// Whether the value is at a bound of the fit, so that the films do not identify it.
-    #[serde(default)]
     at_bound: bool,
     /// The 25, 50 and 75 % quantiles.
     quartiles: Option<[f64; 3]>,

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::path::Path;
 
+use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema, schema_for};
 use spineline::anatomy::Level;
 
@@ -40,18 +41,23 @@ impl<T: JsonSchema> JsonSchema for ByLevel<T> {
     }
 }
 
+/// The schema of a file that is only written: a key is required where it is always written.
+fn written<T: JsonSchema>() -> Schema {
+    SchemaSettings::default().for_serialize().into_generator().into_root_schema_for::<T>()
+}
+
 fn of_types() -> [(&'static str, Schema); SCHEMAS.len()] {
     [
-        ("analysis", schema_for!(AnalysisFile)),
+        ("analysis", written::<AnalysisFile>()),
         ("case", schema_for!(CaseFile)),
-        ("cohort", schema_for!(CohortFile)),
+        ("cohort", written::<CohortFile>()),
         ("load", schema_for!(LoadFile)),
         ("model", schema_for!(ModelFile)),
         ("provenance", schema_for!(ProvenanceFile)),
-        ("refused-case", schema_for!(RefusedFile)),
-        ("reliability", schema_for!(ReliabilityFile)),
+        ("refused-case", written::<RefusedFile>()),
+        ("reliability", written::<ReliabilityFile>()),
         ("rotation-prior", schema_for!(RotationPriorFile)),
-        ("simulation", schema_for!(SimulationFile)),
+        ("simulation", written::<SimulationFile>()),
         ("stiffness", schema_for!(StiffnessFile)),
     ]
 }

@@ -341,13 +341,11 @@ fn analysis_file(analysis: &Analysis, case: &Case) -> AnalysisFile {
 }
 
 #[test]
-fn an_analysis_file_is_read_by_its_type_and_says_synthetic() {
+fn an_analysis_file_says_synthetic() {
     let case = phantom(&Readers::default()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let file = analysis_file(&analysis, &case);
     let text = to_text(&file);
-    let read: AnalysisFile = serde_json::from_str(&text).expect("our own file");
-    assert_eq!(read, file);
     for key in [
         "\"synthetic\": true",
         "\"inflection_line\"",
@@ -360,7 +358,7 @@ fn an_analysis_file_is_read_by_its_type_and_says_synthetic() {
 }
 
 #[test]
-fn an_analysis_file_is_read_with_and_without_uncertainty() {
+fn an_analysis_file_has_uncertainty_where_it_was_asked_for() {
     let case = phantom(&Readers::default()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let monte_carlo =
@@ -371,8 +369,6 @@ fn an_analysis_file_is_read_with_and_without_uncertainty() {
     assert!(!to_text(&plain).contains("\"uncertainty\""));
     let file = plain.with_uncertainty(&analysis, &tally.finish(4));
     let text = to_text(&file);
-    let read: AnalysisFile = serde_json::from_str(&text).expect("our own file");
-    assert_eq!(read, file);
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let found = &json["uncertainty"];
     assert_eq!((&found["replicates"], &found["done"]), (&4.into(), &3.into()));
