@@ -36,7 +36,7 @@ impl fmt::Display for LevelCount {
         let way = if self.other_shift > 0 { "down" } else { "up" };
         write!(
             f,
-            "probability of these levels {} %, of {count} further {way} {} %",
+            "{} % probable, {count} {way} {} %",
             percent(self.probability),
             percent(self.other_probability)
         )

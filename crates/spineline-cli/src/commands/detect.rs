@@ -228,7 +228,7 @@ fn add_summary(text: &mut Lines, film: &str, detection: &Detection) {
         fixed(sd, 0)
     ));
     if detection.count.is_sure() {
-        text.line(format!("  {}", detection.count));
+        text.line(format!("  levels: {}", detection.count));
     }
     for doubt in detection.doubts() {
         text.line(format!("  check the levels: {doubt}"));
