@@ -307,7 +307,7 @@ fn names_that_differ_in_case_alone_are_one_name() {
     let cohort = ["analyze", "two", "--json", "all.json", "--figures", "figures"];
     let before = content(here.path());
     let (_, error, code) = run(here.path(), &cohort);
-    assert!(code == 3 && error.contains("two outputs"), "{error}");
+    assert!(code == 3 && error.contains("was given already as"), "{error}");
     assert!(before == content(here.path()), "something was written");
 }
 

@@ -67,18 +67,20 @@ impl Analysis {
     }
 }
 
-/// Petit's line: the error of T2 moves both points alike, and the error of the crests' direction the second one across the line.
+/// Petit's line by a point on each side of T2, so that mirrored films have mirrored equations: the error of T2 moves both points alike, and
+/// the error of the crests' direction moves them across the line in opposite directions.
 fn through_t2(film: &FilmMovement) -> Option<ProposedLine> {
     let outline = &film.outline;
     let t2 = outline.top();
     let line = LineOfAction::along_iliac(t2, Some(outline.iliac_normal?));
     let place_mm2 = outline.noise.location_mm.powi(2);
     let mut covariance = Matrix4::from_fn(|i, j| if i % 2 == j % 2 { place_mm2 } else { 0.0 });
-    covariance[(3, 3)] += (LineOfAction::MIN_GAP_MM * crests_sd(film).rad()).powi(2);
-    Some(ProposedLine::Through {
-        points: [t2, t2 + line.direction * LineOfAction::MIN_GAP_MM],
-        covariance,
-    })
+    let reach = line.direction * (0.5 * LineOfAction::MIN_GAP_MM);
+    let across_mm2 = (reach.norm_mm() * crests_sd(film).rad()).powi(2);
+    for (i, j, sign) in [(1, 1, 1.0), (3, 3, 1.0), (1, 3, -1.0), (3, 1, -1.0)] {
+        covariance[(i, j)] += sign * across_mm2;
+    }
+    Some(ProposedLine::Through { points: [t2 - reach, t2 + reach], covariance })
 }
 
 /// The line through the inflections.

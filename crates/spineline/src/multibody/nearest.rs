@@ -165,5 +165,5 @@ fn minimum_from(
         system.jacobian.rows_mut(2, count).copy_from(&weighted);
         true
     });
-    (end.status != FitStatus::NotEvaluable).then_some(end.x)
+    (end.status == FitStatus::Converged).then_some(end.x)
 }

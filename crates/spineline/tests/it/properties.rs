@@ -329,3 +329,28 @@ fn assert_same_analysis(a: &Analysis, b: &Analysis) {
     let postures = MIRROR_POSTURE.map(|(posture, _)| (posture, posture));
     assert_same_models(a, b, &postures, 1.0, &ALL_LINES);
 }
+
+#[test]
+fn predicted_stiffness_of_mirrored_films_is_the_same() {
+    let predicted = |case: &Case| {
+        let found = analyzed(case, &on_a_table());
+        let of = |kind| found.group_stiffness(model(&found, kind)).ok();
+        [LineKind::Inflection, LineKind::Iliac].map(of)
+    };
+    let mut compared = 0;
+    for (subject, scenario) in (0..6).flat_map(|subject| Scenario::PAPER.map(|one| (subject, one)))
+    {
+        let case = phantom(subject, scenario, &Readers::default()).case;
+        let mut other = case.clone();
+        other.films.iter_mut().for_each(|film| *film = mirrored(film));
+        for (one, other) in predicted(&case).into_iter().zip(predicted(&other)) {
+            let (Some(one), Some(other)) = (one, other) else { continue };
+            compared += 1;
+            for (a, b) in one.iter().zip(&other) {
+                let off = (a.log_mean - b.log_mean).abs().max((a.log_reach - b.log_reach).abs());
+                assert!(off < 1e-3 * (1.0 + a.log_reach), "{subject} {scenario:?}: {a:?} {b:?}");
+            }
+        }
+    }
+    assert!(compared > 24, "{compared}");
+}
