@@ -56,7 +56,7 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
     let paths = case_files(&args.cases)?;
     let outputs = Outputs::new(args.overwrite, paths.iter().map(PathBuf::as_path));
     outputs.file(&args.out)?;
-    let Patients { patients, inputs, ending, .. } = read(&paths, args)?;
+    let Patients { patients, inputs, ending } = read(&paths, args)?;
     let learned = learn_rotation_prior(&patients, SEED);
     let learned = learned.map_err(|error| {
         let help = "give the folders of more cases, each with an erect and a bending film";
@@ -78,7 +78,6 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
 
 /// The patients that are learned from.
 struct Patients {
-    known: KnownPatients,
     patients: Vec<CohortPatient>,
     inputs: Vec<InputFile>,
     ending: Ending,
@@ -92,14 +91,10 @@ fn read(paths: &[PathBuf], args: &LearnPriorArgs) -> Result<Patients, Failure> {
         let analysis = analyze_input(path, &input, &options)?;
         Ok::<_, Failure>((CohortPatient::of(&analysis), input))
     })?;
-    let mut patients = Patients {
-        known: KnownPatients::default(),
-        patients: Vec::new(),
-        inputs: Vec::new(),
-        ending: Ending::Done,
-    };
+    let mut known = KnownPatients::default();
+    let mut patients = Patients { patients: Vec::new(), inputs: Vec::new(), ending: Ending::Done };
     for result in results {
-        match result.and_then(|(patient, source)| patients.checked(patient, source)) {
+        match result.and_then(|(patient, source)| checked(&mut known, patient, source)) {
             Ok((patient, input)) => {
                 patients.patients.push(patient);
                 patients.inputs.push(input);
@@ -113,27 +108,20 @@ fn read(paths: &[PathBuf], args: &LearnPriorArgs) -> Result<Patients, Failure> {
     Ok(patients)
 }
 
-impl Patients {
-    /// Refuses a patient who was read before or has a doubted film.
-    fn checked(
-        &mut self,
-        patient: CohortPatient,
-        source: CaseInput,
-    ) -> Result<(CohortPatient, InputFile), Failure> {
-        let refused = |text: &str, help: &str| {
-            Err(Failure::input(
-                &source.input.name,
-                &format!("the case {} {text}", source.case.id),
-                help,
-            ))
-        };
-        self.known.add(&source.input.name, &source.case)?;
-        if patient.has_doubted_film() {
-            return refused(
-                "has a film that may not show what it is named after, so nothing is learned from it",
-                "`spineline check` names the film",
-            );
-        }
-        Ok((patient, source.input))
+/// Refuses a patient who was read before or has a doubted film.
+fn checked(
+    known: &mut KnownPatients,
+    patient: CohortPatient,
+    source: CaseInput,
+) -> Result<(CohortPatient, InputFile), Failure> {
+    let name = &source.input.name;
+    known.add(name, &source.case)?;
+    if patient.has_doubted_film() {
+        let text = format!(
+            "the case {} has a film that may not show what it is named after, so nothing is learned from it",
+            source.case.id
+        );
+        return Err(Failure::input(name, &text, "`spineline check` names the film"));
     }
+    Ok((patient, source.input))
 }
