@@ -172,9 +172,8 @@ impl Marginals<'_> {
             (shift, chain.iter().map(of).sum::<f64>() / chain.len() as f64)
         };
         let more = |a: (isize, f64), b: (isize, f64)| if b.1 > a.1 { b } else { a };
-        let [first, rest @ ..] = SHIFTS;
         let (other_shift, other_probability) =
-            rest.map(shifted).into_iter().fold(shifted(first), more);
+            SHIFTS.map(shifted).into_iter().reduce(more).expect("there are shifts");
         LevelCount {
             probability: (logs.iter().sum::<f64>() / logs.len() as f64).exp(),
             other_shift,
