@@ -132,7 +132,7 @@ test("the saved files give the command line the same simulation", async ({ app, 
     '{ "format": "spineline-load", "version": 1, "loads": [{ "kind": "padd" }] }',
   );
   await page.getByLabel("Load file").setInputFiles(bad);
-  await expect(page.getByText(/unknown variant `padd`/)).toBeVisible();
+  await expect(page.getByText(/unknown name `padd`/)).toBeVisible();
   await page.getByLabel("Load file").setInputFiles(loads);
   await expect(page.getByRole("button", { name: /^Remove load/ })).toHaveCount(3);
   await expect(page.getByText(/strap on T\d+, shortened by 10 mm/i)).toBeVisible();

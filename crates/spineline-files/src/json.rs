@@ -6,6 +6,7 @@ use serde::Deserializer;
 use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, Visitor};
 
 use crate::FileError;
+use crate::json_reason::json_reason;
 use crate::keys_once::KeysOnce;
 use crate::nearest::nearest;
 
@@ -102,8 +103,11 @@ pub fn parse_json(text: &str) -> Result<serde_json::Value, FileError> {
     parse_value(without_mark(text))
 }
 
-/// Reads a part of a file.
-pub(crate) fn parse_value<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
+/// Reads a part of a file, or a file of another program.
+///
+/// # Errors
+/// As [`parse_json`], and [`FileError::UnknownKey`].
+pub fn parse_value<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
     let once = serde_json::from_str::<KeysOnce>(text);
     // To know the place all the way takes longer than to read, so a file with a fault is read again for its place.
     once.and_then(|_| serde_json::from_str(text)).or_else(|_| {
@@ -120,13 +124,7 @@ fn parse_with_place<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
 }
 
 fn syntax(error: &serde_json::Error) -> FileError {
-    FileError::Syntax { line: error.line(), column: error.column(), reason: reason(error) }
-}
-
-/// The message without the place, which is reported separately.
-fn reason(error: &serde_json::Error) -> String {
-    let text = error.to_string();
-    text.rsplit_once(" at line ").map_or(text.clone(), |(reason, _)| reason.to_owned())
+    FileError::Syntax { line: error.line(), column: error.column(), reason: json_reason(error) }
 }
 
 fn explain(error: serde_path_to_error::Error<serde_json::Error>) -> FileError {
@@ -135,7 +133,7 @@ fn explain(error: serde_path_to_error::Error<serde_json::Error>) -> FileError {
     if !error.is_data() {
         return syntax(&error);
     }
-    let (line, reason) = (error.line(), reason(&error));
+    let (line, reason) = (error.line(), json_reason(&error));
     // The path of an unknown key ends with the key itself.
     let place =
         |path: &str| if path == "." { "at the top".to_owned() } else { format!("in `{path}`") };

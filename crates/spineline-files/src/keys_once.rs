@@ -7,16 +7,8 @@ use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 /// Any JSON in which every object has each key once; the values are not kept.
-///
-/// ```
-/// use spineline_files::KeysOnce;
-///
-/// assert!(serde_json::from_str::<KeysOnce>(r#"{"a": [{"b": 1}, {"b": 2}]}"#).is_ok());
-/// let error = serde_json::from_str::<KeysOnce>(r#"[{"a": 1, "\u0061": 2}]"#).expect_err("it is there twice");
-/// assert!(error.to_string().starts_with("the key a is given twice"));
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct KeysOnce;
+pub(crate) struct KeysOnce;
 
 impl<'de> Deserialize<'de> for KeysOnce {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -70,5 +62,18 @@ impl<'de> Visitor<'de> for KeysOnce {
             keys.insert(key);
         }
         Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::KeysOnce;
+
+    #[test]
+    fn a_key_that_is_given_twice_is_refused_in_any_spelling() {
+        assert!(serde_json::from_str::<KeysOnce>(r#"{"a": [{"b": 1}, {"b": 2}]}"#).is_ok());
+        let error = serde_json::from_str::<KeysOnce>(r#"[{"a": 1, "\u0061": 2}]"#);
+        let error = error.expect_err("it is there twice").to_string();
+        assert!(error.starts_with("the key a is given twice"), "{error}");
     }
 }

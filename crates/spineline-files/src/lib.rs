@@ -20,6 +20,7 @@ mod digest;
 mod error;
 mod export;
 mod json;
+mod json_reason;
 mod keys;
 mod keys_once;
 mod load_file;
@@ -56,8 +57,7 @@ pub use content::{Content, RunningContent, case_ids, content_words, text_with_ha
 pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
-pub use json::{file_format, parse_json};
-pub use keys_once::KeysOnce;
+pub use json::{file_format, parse_json, parse_value};
 pub use load_file::{
     AppliedLoad, DIRECTIONS, LoadFault, LoadFile, PlacedLoads, direction, parse_load,
 };

@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use spineline_files::{KeysOnce, decode_text};
+use spineline_files::{FileError, decode_text, parse_value};
 
 use super::LandmarkError;
 
@@ -14,31 +14,26 @@ pub(super) fn parse_foreign<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Land
     let text = decode_text(bytes).ok_or_else(|| LandmarkError::Unrecognised {
         reason: "its text is neither UTF-8 nor UTF-16".to_owned(),
     })?;
-    let parse = |text: &str| parse_text::<KeysOnce>(text).and_then(|_| parse_text(text));
-    parse(&text).or_else(|error| match without_nan(&text) {
-        Some(text) => parse(&text),
+    parse_text(&text).or_else(|error| match without_nan(&text) {
+        Some(text) => parse_text(&text),
         None => Err(error),
     })
 }
 
 fn parse_text<T: DeserializeOwned>(text: &str) -> Result<T, LandmarkError> {
-    let mut reader = serde_json::Deserializer::from_str(text);
-    let value = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let path = error.path().to_string();
-        let error = error.into_inner();
-        let text = error.to_string();
-        let reason = text.rsplit_once(" at line ").map_or(text.as_str(), |(reason, _)| reason);
-        let at = if path == "." { String::new() } else { format!(", in `{path}`") };
-        LandmarkError::Syntax {
-            at: format!("line {}, column {}{at}", error.line(), error.column()),
-            reason: reason.to_owned(),
+    parse_value(text).map_err(|error| match error {
+        FileError::Syntax { line, column, reason } => {
+            LandmarkError::Syntax { at: format!("line {line}, column {column}"), reason }
         }
-    })?;
-    reader.end().map_err(|error| LandmarkError::Syntax {
-        at: format!("line {}, column {}", error.line(), error.column()),
-        reason: "something follows the end of the JSON".to_owned(),
-    })?;
-    Ok(value)
+        FileError::Value { line, place, reason } => {
+            LandmarkError::Syntax { at: format!("line {line}, {place}"), reason }
+        }
+        FileError::UnknownKey { line, place, key, .. } => LandmarkError::Syntax {
+            at: format!("line {line}, {place}"),
+            reason: format!("unknown key `{key}`"),
+        },
+        other => other.into(),
+    })
 }
 
 /// The text with `null` for every `NaN` and `Infinity` outside of quotes; `None` without any.

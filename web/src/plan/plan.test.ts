@@ -51,7 +51,7 @@ beforeEach(() => {
     const text = await request.text();
     sent.push(text);
     const isBad = text.includes("pda");
-    const body = isBad ? { code: "refused", message: "unknown variant `padd`" } : ANSWER;
+    const body = isBad ? { code: "refused", message: "unknown name `padd`" } : ANSWER;
     return new Response(JSON.stringify(body), { status: isBad ? 422 : 200 });
   });
 });
@@ -112,7 +112,7 @@ it("opens a file that the program reads, and leaves the loads where it does not"
   await settled();
   const { signal } = new AbortController();
   const bad = '{"format":"spineline-load","version":1,"loads":[{"kind":"pda"}]}';
-  await expect(own.open(bad, signal)).rejects.toThrow("unknown variant");
+  await expect(own.open(bad, signal)).rejects.toThrow("unknown name");
   expect(own.loads).toEqual([PAD]);
   await own.open(`\uFEFF${textOf([STRAP])}`, signal);
   expect(own.loads).toEqual([STRAP]);

@@ -90,7 +90,7 @@ fn unknown_keys_are_reported_with_the_nearest_name_and_kinds_with_all() {
     let text = error.to_string();
     assert!(text.contains("`pad`") && !text.contains("did you mean"), "{text}");
     let error = refused(r#"[{"kind":"moment","level":"T8"}]"#);
-    assert!(error.to_string().contains("missing field `moment`"), "{error}");
+    assert!(error.to_string().contains("the key `moment` is missing"), "{error}");
     assert!(matches!(refused("[]"), FileError::NoLoads));
     let bare = parse_load(r#"{"format":"spineline-load","version":1,"load":[]}"#);
     assert!(bare.expect_err("a misspelt key").to_string().contains("did you mean `loads`"));

@@ -101,7 +101,7 @@ fn files_that_are_no_midlines_are_refused_with_their_place() {
     refused(&|line| line["cranial_end"] = json!("C6"), &["`C6`", "C7"]);
     refused(&|line| line["posture"] = json!("standing"), &["posture `standing`"]);
     refused(&|line| line["repeat"] = json!(0), &["repeat"]);
-    refused(&|line| line["lines"] = json!(1), &["unknown field"]);
+    refused(&|line| line["lines"] = json!(1), &["unknown key"]);
     refused(&|line| line["points_mm"] = json!([]), &["two points"]);
     let twice = json!({ "midlines": [plain()["midlines"][0], plain()["midlines"][0]] });
     let error = parse_landmarks(twice.to_string().as_bytes(), &LandmarkHint::default());

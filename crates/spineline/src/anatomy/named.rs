@@ -250,7 +250,7 @@ pub struct UnknownKey {
 
 impl fmt::Display for UnknownKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "unknown variant `{}`, expected ", self.text)?;
+        write!(f, "unknown name `{}`, expected ", self.text)?;
         match self.allowed[..] {
             [first, second] => write!(f, "`{first}` or `{second}`"),
             _ => write!(f, "one of `{}`", self.allowed.join("`, `")),
