@@ -115,19 +115,25 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
     });
     add.text(
         "verdict",
-        "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified` or `unknown`; empty where not requested",
+        "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified`, `disputed` (the multiplier lies outside of the interval of its joints) or `unknown`; empty where not requested",
         |row| row.item.found.map(|found| found.verdict().key()),
+    );
+    add.number(
+        "mean_of_joints",
+        Unit::One,
+        "geometric mean of its joints' stiffness over the table's, by the mixed model; empty where not requested or not determined",
+        |row| Some(row.item.found?.stiffness?.log_mean.exp()),
     );
     add.number(
         "interval_95_low",
         Unit::One,
-        "lower end of the 95 % interval of its joints' geometric mean, by the mixed model; empty where the films set no lower limit",
+        "lower end of the 95 % interval of `mean_of_joints`; empty where the films set no lower limit",
         |row| interval_end(row, 0),
     );
     add.number(
         "interval_95_high",
         Unit::One,
-        "upper end of the 95 % interval of its joints' geometric mean, by the mixed model; empty where the films set no upper limit",
+        "upper end of the 95 % interval of `mean_of_joints`; empty where the films set no upper limit",
         |row| interval_end(row, 1),
     );
     add.text("interval_coverage", STIFFNESS_COVERAGE, |row| {

@@ -115,7 +115,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
         Column::words("Line of action"),
         Column::words("Joints"),
         Column::numbers("Multiplier of the table (1)"),
-        Column::words("Mean of the joints, 95 % interval (films)"),
+        Column::words("Mean of the joints (95 % interval by the films)"),
         Column::words("95 % interval if the model is exact (landmark noise)"),
         Column::words("Verdict"),
     ];
@@ -126,7 +126,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
         for (group, ((name, value), verdict)) in rows.enumerate() {
             let scale = model.fit.absolute_scale;
             let by_films =
-                found.map(|found| uncertainty::interval(&found.multipliers[group], scale));
+                found.map(|found| uncertainty::mean_of_joints(&found.multipliers[group], scale));
             let noise = match model.fit.bounds[group] {
                 StiffnessBound::Inside => {
                     patient.uncertainty.and_then(|found| noise_interval(found, model, group, scale))

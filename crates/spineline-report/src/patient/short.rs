@@ -127,8 +127,10 @@ fn interval(
     let by_films = || {
         let place = analysis.models.iter().position(|other| other.kind == model.kind)?;
         let found = intervals.identifiability?[place].as_ref()?;
-        let interval = uncertainty::interval(&found.multipliers[group], scale);
-        Some(format!("mean of its joints {interval}"))
+        let one = &found.multipliers[group];
+        let interval = uncertainty::interval(one, scale);
+        let disputed = if one.is_disputed() { "; the fit lies outside" } else { "" };
+        Some(format!("mean of its joints {interval}{disputed}"))
     };
     let by_noise = |found| noise_interval(found, model, group, scale);
     by_films().or_else(|| intervals.uncertainty.and_then(by_noise))

@@ -4,7 +4,8 @@ use spineline::analysis::{Analysis, FilmMovement, LineModel};
 use spineline::anatomy::Level;
 use spineline::number::fixed;
 use spineline::personalize::{
-    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, STIFFNESS_COVERAGE,
+    GroupStiffness, Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd,
+    STIFFNESS_COVERAGE,
 };
 use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
 use spineline::warning::counted;
@@ -12,6 +13,12 @@ use spineline::warning::counted;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures;
 use crate::phrases::none;
+
+/// The mean stiffness of a multiplier's joints with its 95 % interval, such as `0.71 (0.66 to 0.76)`.
+pub fn mean_of_joints(one: &MultiplierInformation, scale: f64) -> String {
+    let mean = |found: GroupStiffness| fixed(scale * found.log_mean.exp(), 2);
+    one.stiffness.map_or_else(none, |found| format!("{} ({})", mean(found), interval(one, scale)))
+}
 
 /// The 95 % interval of the mean stiffness of a multiplier's joints.
 pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
@@ -36,7 +43,7 @@ pub fn identifiability(
         Column::words("Line of action"),
         Column::words("Joints"),
         Column::numbers("Ratio to the geometric mean (1)"),
-        Column::words("Mean of the joints, 95 % interval (1)"),
+        Column::words("Mean of the joints (95 % interval) (1)"),
         Column::numbers("sd of ln if the model is exact (1)"),
         Column::words("What the films identify"),
     ];
@@ -57,7 +64,7 @@ pub fn identifiability(
                 model.kind.to_string(),
                 name,
                 fixed(value, 2),
-                interval(one, 1.0),
+                mean_of_joints(one, 1.0),
                 deviation(one.log_sd),
                 one.verdict().to_string(),
             ];

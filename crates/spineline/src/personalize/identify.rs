@@ -82,6 +82,8 @@ pub struct StiffnessDirection {
 /// Identifiability of one multiplier under the gauge.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MultiplierInformation {
+    /// The fitted `ln α`.
+    pub log_multiplier: f64,
     /// Standard deviation of `ln α` from the films alone, by curvature; infinite where they do not fix it.
     #[serde(deserialize_with = "or_infinite")]
     pub log_sd: f64,
@@ -111,9 +113,23 @@ impl MultiplierInformation {
         Some([end(lower, lower < least), end(upper, upper > most)])
     }
 
+    /// Whether the fitted multiplier lies outside of this interval: the fit gives all joints of a group one multiplier, the mixed model
+    /// does not. A multiplier at its bound agrees with an interval beyond it.
+    #[must_use]
+    pub fn is_disputed(&self) -> bool {
+        let [least, most] = MULTIPLIER_BOUNDS.map(f64::ln);
+        self.stiffness.is_some_and(|stiffness| {
+            let [lower, upper] = stiffness.log_interval_95();
+            self.log_multiplier < lower.min(most) || self.log_multiplier > upper.max(least)
+        })
+    }
+
     /// What the films identify, by this interval.
     #[must_use]
     pub fn verdict(&self) -> IntervalVerdict {
+        if self.is_disputed() {
+            return IntervalVerdict::Disputed;
+        }
         match self.interval_95() {
             None | Some([ProfileEnd::Lost(_), _] | [_, ProfileEnd::Lost(_)]) => {
                 IntervalVerdict::Unknown
@@ -168,6 +184,8 @@ named! {
         OnlyUpper = "only_upper" as "only an upper limit",
         /// Every stiffness within the bounds explains the films about as well.
         NotIdentified = "not_identified" as "not identified",
+        /// The fitted multiplier lies outside of the interval of its joints.
+        Disputed = "disputed" as "not identified: multiplier and joints differ",
         /// The fit of the joint rotations did not converge, or they do not determine the loads.
         Unknown = "unknown" as "unknown: no fit of the joint rotations",
     }
@@ -211,6 +229,7 @@ pub fn identify(
     let (alone, with_prior) = converged.deviations(&across, settings);
     let multipliers = (0..g)
         .map(|group| MultiplierInformation {
+            log_multiplier: fit.log_multipliers[group],
             log_sd: alone[group],
             log_sd_with_prior: with_prior.as_ref().map(|sds| sds[group]),
             profile: converged.profile(group, with_prior.as_ref().unwrap_or(&alone)[group]),
@@ -424,18 +443,22 @@ mod tests {
 
     #[test]
     fn an_interval_beyond_the_bounds_is_limited_on_the_side_that_it_has() {
-        let of = |ends: [f64; 2]| {
+        let of = |ends: [f64; 2], multiplier: f64| {
             let [low, high] = ends.map(f64::ln);
             let (log_mean, log_reach) = (f64::midpoint(low, high), 0.5 * (high - low));
             let profile =
                 Profile { points: Vec::new(), lower: ProfileEnd::Open, upper: ProfileEnd::Open };
             let stiffness = Some(GroupStiffness { log_mean, log_sd: 0.5 * log_reach, log_reach });
-            MultiplierInformation { log_sd: 1.0, log_sd_with_prior: None, profile, stiffness }
+            let (log_multiplier, log_sd, log_sd_with_prior) = (multiplier.ln(), 1.0, None);
+            MultiplierInformation { log_multiplier, log_sd, log_sd_with_prior, profile, stiffness }
                 .verdict()
         };
-        assert_eq!(of([0.5, 2.0]), IntervalVerdict::Interval);
-        assert_eq!(of([12.0, 40.0]), IntervalVerdict::OnlyLower);
-        assert_eq!(of([0.01, 0.05]), IntervalVerdict::OnlyUpper);
-        assert_eq!(of([0.05, 40.0]), IntervalVerdict::NotIdentified);
+        assert_eq!(of([0.5, 2.0], 1.0), IntervalVerdict::Interval);
+        assert_eq!(of([12.0, 40.0], 10.0), IntervalVerdict::OnlyLower);
+        assert_eq!(of([0.01, 0.05], 0.1), IntervalVerdict::OnlyUpper);
+        assert_eq!(of([0.05, 40.0], 3.0), IntervalVerdict::NotIdentified);
+        assert_eq!(of([1.26, 1.91], 3.76), IntervalVerdict::Disputed);
+        assert_eq!(of([0.52, 2.66], 10.0), IntervalVerdict::Disputed);
+        assert_eq!(of([12.0, 40.0], 3.0), IntervalVerdict::Disputed);
     }
 }
