@@ -13,11 +13,18 @@ const MINUS: &str = "−";
 /// Keeps a number and its unit on one line.
 pub const NO_BREAK: char = '\u{a0}';
 
-/// A number with its decimal places, such as `−0.17`; `–` for a value that is not finite.
+/// From here on a number has its exponent instead of all its digits.
+const SCIENTIFIC_FROM: f64 = 1e12;
+
+/// A number with its decimal places, such as `−0.17`; `–` for a value that is not finite. A number with more than twelve digits before the
+/// point has its exponent.
 #[must_use]
 pub fn fixed(value: f64, places: usize) -> String {
     if !value.is_finite() {
         return none();
+    }
+    if value.abs() >= SCIENTIFIC_FROM {
+        return scientific(value, places);
     }
     let text = format!("{value:.places$}");
     match text.strip_prefix('-') {
@@ -116,6 +123,7 @@ mod tests {
     #[test]
     fn a_number_has_its_places_whatever_its_last_bits() {
         assert_eq!(with_unit(&fixed(100.0 * 0.033, 1), "%"), "3.3\u{a0}%");
+        assert_eq!([fixed(-1e300, 1), fixed(999_999_999_999.0, 1)], ["−1.0e300", "999999999999.0"]);
         assert_eq!(fixed(1.0 / 3.0, 4), "0.3333");
         assert_eq!(fixed(998.0, 0), "998");
     }

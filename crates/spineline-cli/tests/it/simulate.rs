@@ -307,6 +307,11 @@ fn bad_loads_and_models_end_with_3_and_wrong_usage_with_2() {
         (&["model.json", "--push", "left"], 2, "--force"),
         (&["model.json", "--push", "left", "--posture", "neutral"], 2, "cannot be used"),
         (&["model.json", "--push", "left", "--force=-3"], 2, "above zero"),
+        (
+            &["model.json", "--push", "left", "--force", "3", "--largest-factor", "1e300"],
+            2,
+            "not above 0 and at most 1e9",
+        ),
         (&["model.json", "--push", "left", "--force", "3", "--amplitude", "5"], 2, "--towards"),
         (&["model.json", "--load", "bad.json", "--force", "3"], 2, "cannot be used"),
         (

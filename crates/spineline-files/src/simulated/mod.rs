@@ -46,6 +46,9 @@ pub enum SimulationError {
     /// A lateral tilt is wanted, and no load is varied.
     #[error("a wanted lateral tilt needs proportional loads, and all loads are constant")]
     NothingGrows,
+    /// A largest factor that loads cannot have.
+    #[error("{0}")]
+    LargestFactor(String),
 }
 
 impl SimulationError {
@@ -58,6 +61,7 @@ impl SimulationError {
                 model.levels[joint + 1]
             )),
             CoreError::Loading(error) => error.into(),
+            CoreError::LargestFactor { .. } => Self::LargestFactor(error.to_string()),
             other => Self::Springs(other.to_string()),
         }
     }
@@ -69,6 +73,7 @@ impl SimulationError {
             Self::Loads(error) => error.help(),
             Self::Loading(error) => error.help(),
             Self::Springs(_) => "correct the stiffness, or write the model again with `analyze`",
+            Self::LargestFactor(_) => "leave it out for the usual one",
             Self::NothingGrows => "let at least one load have the timing `growing`",
         }
     }

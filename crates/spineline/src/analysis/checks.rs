@@ -4,7 +4,7 @@ use super::wrong_film::tilt_margin;
 use crate::anatomy::{Levels, Posture};
 use crate::clinical::ClinicalCurve;
 use crate::error::CaseError;
-use crate::measure::{Film, FilmLength, Outline, body_widths, same_landmarks};
+use crate::measure::{Film, FilmLength, Outline, SpacingPlane, body_widths, same_landmarks};
 use crate::number::fixed;
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};
@@ -67,11 +67,14 @@ pub(super) fn check_outlines(
     }
     for film in &outlines[1..] {
         if film.scale.plane != erect.scale.plane {
-            let text = format!(
-                "its lengths are in {}, and on the erect film in {}: they are compared without conversion",
-                film.scale.plane.unit(),
-                erect.scale.plane.unit()
-            );
+            let planes = [film.scale.plane, erect.scale.plane];
+            let how = if planes.contains(&SpacingPlane::Pixels) {
+                "pixels count as millimetres of a spine of typical length"
+            } else {
+                "they are compared without conversion"
+            };
+            let [own, erect] = planes.map(SpacingPlane::unit);
+            let text = format!("its lengths are in {own}, and on the erect film in {erect}: {how}");
             warnings.film(WarningCode::SpacingPlanesDiffer, film.posture, text);
         }
     }

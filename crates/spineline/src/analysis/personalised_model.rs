@@ -13,6 +13,7 @@ use crate::multibody::{
     GeneralStatics, Goal, Joint, Loading, LoadingError, PathEnding, SpineModel, SpringError,
     Support,
 };
+use crate::number::scientific;
 use crate::response::{OnSignedPoint, Response, respond, usual_limit};
 use crate::spatial::{Mat3, Vec3};
 
@@ -147,7 +148,16 @@ pub enum SimulationError {
     /// A load cannot be applied.
     #[error(transparent)]
     Loading(#[from] LoadingError),
+    /// A largest factor that loads cannot have.
+    #[error("the largest factor {} is not above 0 and at most {}", scientific(*factor, 1), scientific(LARGEST_FACTOR, 0))]
+    LargestFactor {
+        /// What was given.
+        factor: f64,
+    },
 }
+
+/// The largest factor up to which a search may look.
+const LARGEST_FACTOR: f64 = 1e9;
 
 impl PersonalisedModel {
     /// The equilibrium equations of the model.
@@ -178,6 +188,9 @@ impl PersonalisedModel {
         largest_factor: Option<f64>,
         on_point: OnSignedPoint<'_>,
     ) -> Result<Response, SimulationError> {
+        if let Some(factor) = largest_factor.filter(|&f| !(f > 0.0 && f <= LARGEST_FACTOR)) {
+            return Err(SimulationError::LargestFactor { factor });
+        }
         let statics = self.statics()?;
         let usual = || usual_limit(&self.spine, &self.stiffness, loading, goal);
         let factor = largest_factor.unwrap_or_else(usual);

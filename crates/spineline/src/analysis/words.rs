@@ -101,14 +101,16 @@ impl Analysis {
     #[must_use]
     pub fn lenke_words(&self) -> String {
         let movement = &self.movement;
-        let bends = [Posture::LeftBending, Posture::RightBending];
+        let mut missing = vec![Posture::LeftBending, Posture::RightBending];
+        missing.retain(|&bend| movement.film(bend).is_none());
+        let missing: Vec<_> = missing.iter().map(Posture::to_string).collect();
         match movement.lenke {
             Some(lenke) => format!(
                 "Lenke type {} (frontal films: no kyphosis, no modifiers)",
                 lenke.number
             ),
-            None if bends.iter().any(|&bend| movement.film(bend).is_none()) => {
-                "No Lenke type: it needs both bending films".to_owned()
+            None if !missing.is_empty() => {
+                format!("No Lenke type: it needs the {} film", missing.join(" and "))
             }
             None if !movement.clinical.iter().all(ClinicalCurve::has_cobb) => {
                 "No Lenke type: it needs Cobb angles, and the corners of the vertebrae are not known"

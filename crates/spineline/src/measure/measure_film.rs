@@ -190,10 +190,6 @@ fn place_film(
             return Ok(PlacedFilm { readings, scale, iliac_normal: None, iliac_middle: None });
         }
     };
-    if let Some(crests) = iliac_crests {
-        check_crests(posture, image, crests)?;
-    }
-    let iliac_normal = iliac_crests.map(|crests| iliac_normal(image, crests));
     let (readings, scale) = match image.scale() {
         Some(spacing) => {
             check_scale_sd(posture, spacing.relative_sd)?;
@@ -203,6 +199,11 @@ fn place_film(
         }
         None => scaled_from_pixels(posture, image, readings, warnings),
     };
+    // A wrong scale makes crests too close, too: it is named first.
+    if let Some(crests) = iliac_crests {
+        check_crests(posture, image, crests)?;
+    }
+    let iliac_normal = iliac_crests.map(|crests| iliac_normal(image, crests));
     let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
     let iliac_middle = iliac_crests
         .map(|crests| (image.frontal(crests.left) + image.frontal(crests.right)) * (0.5 * per_mm));

@@ -58,7 +58,7 @@ impl PathEnding {
                 "the target is not met up to the largest load factor and hinge angle, or the pose of a rod cannot be reached; reduce the loads or the amplitude, or load another vertebra"
             }
             Self::NotConverged => {
-                "the solver did not converge along the path of equilibria, with or against the loads, before the first solution was certain; try smaller loads"
+                "the solver did not converge along the path of equilibria, with or against the loads, before the first solution was certain; try smaller loads, and rods whose poses do not contradict each other"
             }
             Self::Interrupted => "the search was interrupted",
         }

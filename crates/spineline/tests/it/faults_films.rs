@@ -227,6 +227,19 @@ fn a_film_larger_than_any_film_is_refused_with_its_size() {
 }
 
 #[test]
+fn a_scale_ten_times_too_small_is_named_before_what_follows_from_it() {
+    // Oracle: at a tenth of the scale the crests, sound ones, are closer than those of any pelvis.
+    let mut case = exact_case(0);
+    let (image, crests, _) = landmarks(film_mut(&mut case, Posture::Erect));
+    let apart_px = crests.map(|crests| crests.left.column_px - crests.right.column_px);
+    let scale = spacing(image);
+    (scale.column_mm, scale.row_mm) = (0.1 * scale.column_mm, 0.1 * scale.row_mm);
+    assert!((apart_px.expect("marked") * scale.column_mm).abs() < 50.0);
+    let error = refused_in_measure(&case, &["erect", "mm"]);
+    assert!(matches!(error.fault, MeasureFault::Length { .. }), "{error:?}");
+}
+
+#[test]
 fn a_body_of_a_size_that_no_vertebra_has_is_refused() {
     // Oracle: corners moved apart by hand; the width is their distance.
     let mut case = exact_case(0);

@@ -73,6 +73,9 @@ fn one_film_without_spacing_leaves_the_others_their_millimetres() {
     let analysis = analyzed(&case, &on_a_table());
     assert_eq!(analysis.movement.scale().plane, SpacingPlane::Patient);
     assert!(analysis.models.is_empty());
+    let differ =
+        analysis.warnings.all().iter().find(|w| w.code == WarningCode::SpacingPlanesDiffer);
+    assert!(differ.expect("warned").message.contains("pixels count as millimetres of a spine of"));
     let warning = analysis.warnings.all().iter().find(|w| w.code == WarningCode::NoScale);
     assert_eq!(warning.and_then(|w| w.posture), Some(Posture::Traction));
 }

@@ -79,7 +79,7 @@ pub struct SimulateArgs {
     #[arg(long, value_parser = choice::<Side>(), value_name = "SIDE", requires = "amplitude", help_heading = "Target")]
     pub towards: Option<Side>,
     /// Largest factor of the proportional loads [default: 2; with --amplitude, a force of about 1500]
-    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true, help_heading = "Target")]
+    #[arg(long, value_name = "FACTOR", value_parser = number, allow_negative_numbers = true, help_heading = "Target")]
     pub largest_factor: Option<f64>,
     /// Support of the patient [default: as in the model file]
     #[arg(long, value_parser = choice::<Support>())]

@@ -58,6 +58,7 @@ impl Outcome {
             SimulationError::NothingGrows => Failure::usage(
                 "--amplitude needs proportional loads, and all loads of this file are constant",
             ),
+            SimulationError::LargestFactor(text) => Failure::usage(text),
             SimulationError::Springs(text) => {
                 Failure::input(&args.model.display().to_string(), text, error.help())
             }
