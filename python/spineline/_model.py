@@ -136,8 +136,8 @@ class Model(_Exportable[_native.Model]):
         return export(path, self._native.export("mjcf"), overwrite=overwrite)
 
     def to_opensim_films(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Writes the pose of every film as a motion (`.sto`) of the model from :meth:`to_opensim`, in rad; whole or not at all.
-        Returns the path.
+        """Writes pose and force of every film as a motion (`.sto`) of the model from :meth:`to_opensim`, in rad, N and m; whole or
+        not at all. Returns the path.
 
         Raises
         ------
@@ -145,6 +145,17 @@ class Model(_Exportable[_native.Model]):
             As :meth:`save`.
         """
         return export(path, self._native.export("sto"), overwrite=overwrite)
+
+    def to_opensim_loads(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Writes OpenSim's ExternalLoads with the forces of the films, which it reads from the motion of :meth:`to_opensim_films` as
+        `films.sto` in the same folder; whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            As :meth:`save`.
+        """
+        return export(path, self._native.export("loads"), overwrite=overwrite)
 
     def to_opensim(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the model for OpenSim 4, in m, N and rad, with a force per film; whole or not at all. Returns the path.

@@ -116,6 +116,8 @@ def test_exports_are_read_by_parsers(analysis: sl.Analysis, tmp_path: Path) -> N
         assert ET.parse(write(tmp_path / f"{root}.xml")).getroot().tag == root
     films = model.to_opensim_films(tmp_path / "films.sto").read_text()
     assert "left_bending" in films.partition("endheader")[0]
+    loads = ET.parse(model.to_opensim_loads(tmp_path / "films.loads.xml"))
+    assert [element.text for element in loads.iter("datafile")] == ["films.sto"]
 
 
 def test_replicates_are_the_same_as_in_the_program(

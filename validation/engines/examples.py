@@ -19,6 +19,7 @@ def run(spineline: Spineline) -> None:
     for form in FORMATS:
         spineline.run("export", "model.json", "--to", form, "--out", f"model.{form}")
     spineline.run("export", "model.json", "--to", "sto", "--out", "films.sto")
+    spineline.run("export", "model.json", "--to", "loads", "--out", "films.loads.xml")
     spineline.run("simulate", "model.json", "--posture", "left_bending", "--json", "film.json")
     os.chdir(spineline.folder)
     examples = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.M | re.S)

@@ -114,7 +114,7 @@ def in_opensim(
     manager.initialize(state)
     end = moved(lambda instant: apart(midpoints(manager.integrate(instant))))
     poses, state = opensim.TimeSeriesTable(str(path.with_suffix(".sto"))), model.initSystem()
-    for column in poses.getColumnLabels():
-        angle = poses.getDependentColumn(column)[1 + postures.index(posture)]
-        model.getCoordinateSet().get(column).setValue(state, angle, False)
+    for coordinate in model.getCoordinateSet():
+        angle = poses.getDependentColumn(coordinate.getName())[1 + postures.index(posture)]
+        coordinate.setValue(state, angle, False)
     return Film(name, "opensim", apart(midpoints(state)), *end)

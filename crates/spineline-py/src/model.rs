@@ -106,11 +106,11 @@ impl Model {
         self.text.clone()
     }
 
-    /// The model in the format of another program: `mjcf`, `osim`, `sto`, `urdf`, `vtp` or `gltf`.
+    /// The model in the format of another program: `mjcf`, `osim`, `sto`, `loads`, `urdf`, `vtp` or `gltf`.
     fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
         let Ok(format) = format.parse::<ExportFormat>() else {
             let text = format!("unknown format `{format}`");
-            let help = "give \"mjcf\", \"osim\", \"sto\", \"urdf\", \"vtp\" or \"gltf\"";
+            let help = "give \"mjcf\", \"osim\", \"sto\", \"loads\", \"urdf\", \"vtp\" or \"gltf\"";
             return Err(Fault::new(text, help).raise(py));
         };
         let written = export(&self.model, format, &generator());

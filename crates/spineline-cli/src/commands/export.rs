@@ -36,6 +36,8 @@ Examples:
       opensim.Model('spine.osim').initSystem(), or File > Open Model in OpenSim
   spineline export model.json --to sto --out films.sto
       opensim.TimeSeriesTable('films.sto'), or File > Load Motion in OpenSim
+  spineline export model.json --to loads --out films.loads.xml
+      opensim.ExternalLoads('films.loads.xml', True), with films.sto beside it
   spineline export model.json --to urdf --out spine.urdf
       pinocchio.buildModelFromUrdf('spine.urdf')
   spineline export model.json --to vtp --out spine.vtp
@@ -48,7 +50,8 @@ Examples:
 
 MJCF, OpenSim and URDF are in metres, newtons and radians. MJCF and URDF keep x anterior, y left, z cranial; OpenSim has x anterior, \
 y cranial, z right. MJCF and OpenSim contain the springs; URDF has no element for springs, so they are in its `gazebo` \
-elements. MJCF has a keyframe and a force for every film; OpenSim has a force for every film, and `sto` has the poses of the films. \
+elements. MJCF has a keyframe and a force for every film; OpenSim has a force for every film, and `sto` has \
+the poses and forces of the films, which `loads` makes external loads. \
 URDF has no place for them. `vtp` (VTK, for 3D Slicer and ParaView) and `gltf` have the vertebral bodies as boxes, with lateral tilt, pitch and axial \
 rotation in degrees, and no joints. VTK is in mm, x left, y posterior, z cranial; glTF in metres, x left, y cranial, z anterior. The comment at the top of each model lists the forces of the films. Masses, damping and \
 armature are nominal.
@@ -63,7 +66,7 @@ pub struct ExportArgs {
     /// Model file, from `spineline analyze CASE --model FILE`; or a case file, for its landmarks
     #[arg(value_name = "MODEL|CASE")]
     file: PathBuf,
-    /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4 with the poses of the films as `sto`, `urdf` for Pinocchio, Gazebo, Drake and others;
+    /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4 with the films as `sto` and their forces as `loads`, `urdf` for Pinocchio, Gazebo, Drake and others;
     /// vertebral bodies as `vtp` for 3D Slicer and ParaView, or `gltf`; of landmarks,
     /// `csv`, `lateral-csv` of the lateral film, `slicer` for 3D Slicer, `labelme`, `coco` for COCO keypoints, `dicom-sr` for a DICOM report
     #[arg(long, value_enum, value_name = "FORMAT")]

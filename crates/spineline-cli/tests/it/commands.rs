@@ -336,7 +336,7 @@ fn a_model_is_exported_for_three_engines_and_unknown_formats_are_refused() {
         assert_eq!(fs::read_to_string(here.path().join(out)).expect("a file"), text);
     }
     let error = refused(here.path(), &["export", "model.json", "--to", "sdf"], 2);
-    assert!(error.contains("sdf") && error.contains("mjcf, osim, sto, urdf"), "{error}");
+    assert!(error.contains("sdf") && error.contains("mjcf, osim, sto, loads, urdf"), "{error}");
     let error = refused(here.path(), &["export", case, "--to", "mjcf"], 3);
     assert!(error.contains(case) && error.contains("spineline-model"), "{error}");
     let text = fs::read_to_string(here.path().join("model.json")).expect("a file");

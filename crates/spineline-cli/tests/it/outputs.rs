@@ -28,7 +28,7 @@ t,deg,P1,A,1,1.0,true\nt,deg,P1,B,1,1.5,true\nt,deg,P2,A,1,3.0,true\nt,deg,P2,B,
 t,deg,P3,A,1,5.0,true\nt,deg,P3,B,1,5.3,true\n";
 
 /// Every command with an output of one file; the file comes last.
-const TO_FILE: [&[&str]; 20] = [
+const TO_FILE: [&[&str]; 21] = [
     &["analyze", "case.json", "--json"],
     &["analyze", "case.json", "--csv"],
     &["analyze", "case.json", "--chain"],
@@ -44,6 +44,7 @@ const TO_FILE: [&[&str]; 20] = [
     &["export", "model.json", "--to", "mjcf", "--out"],
     &["export", "model.json", "--to", "osim", "--out"],
     &["export", "model.json", "--to", "sto", "--out"],
+    &["export", "model.json", "--to", "loads", "--out"],
     &["export", "case.json", "--to", "csv", "--out"],
     &["export", "case.json", "--to", "slicer", "--posture", "erect", "--out"],
     &["export", "case.json", "--to", "coco", "--out"],

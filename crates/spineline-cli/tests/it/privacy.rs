@@ -141,7 +141,7 @@ fn every_output(inputs: &Path, out: &Path) -> Vec<Vec<String>> {
                 .concat(),
         ),
     ];
-    for format in ["mjcf", "osim", "sto", "urdf"] {
+    for format in ["mjcf", "osim", "sto", "loads", "urdf"] {
         lines.push(line(&["export", &model, "--to", format, "--out", &to(format)]));
     }
     if cfg!(feature = "pdf") {

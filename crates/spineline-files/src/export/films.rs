@@ -1,7 +1,9 @@
 //! The films of a model: the force of each on the uppermost vertebra, and the pose that the model takes under it.
 
+use spineline::action::Application;
 use spineline::analysis::{FilmLoad, PersonalisedModel};
 use spineline::multibody::Goal;
+use spineline::spatial::Vec3;
 
 use super::format::ExportError;
 use crate::{AppliedLoad, LoadFile};
@@ -10,8 +12,17 @@ use crate::{AppliedLoad, LoadFile};
 #[derive(Debug)]
 pub(super) struct Film {
     pub(super) load: FilmLoad,
-    /// Hinge angles of every joint in rad: lateral, flexion, axial; or the reason why the film has no equilibrium.
-    pub(super) pose: Result<Vec<[f64; 3]>, String>,
+    /// The pose, or the reason why the film has no equilibrium.
+    pub(super) pose: Result<Pose, String>,
+}
+
+/// An equilibrium.
+#[derive(Debug)]
+pub(super) struct Pose {
+    /// Hinge angles of every joint: lateral, flexion, axial.
+    pub(super) angles_rad: Vec<[f64; 3]>,
+    /// A point on the line of the force, in `G`.
+    pub(super) point_mm: Vec3,
 }
 
 impl Film {
@@ -38,7 +49,7 @@ pub(super) fn films(model: &PersonalisedModel) -> Result<Vec<Film>, ExportError>
     Ok(films)
 }
 
-fn pose(model: &PersonalisedModel, load: &FilmLoad) -> Result<Vec<[f64; 3]>, String> {
+fn pose(model: &PersonalisedModel, load: &FilmLoad) -> Result<Pose, String> {
     if !load.status.is_usable() {
         return Err(load.status.key().to_owned());
     }
@@ -46,5 +57,10 @@ fn pose(model: &PersonalisedModel, load: &FilmLoad) -> Result<Vec<[f64; 3]>, Str
     let placed = file.place(model).map_err(|error| error.to_string())?;
     let response = model.simulate(&placed.loading, Goal::FullLoad).map_err(|e| e.to_string())?;
     let equilibrium = response.result().ok_or_else(|| response.ending.key().to_owned())?;
-    Ok(equilibrium.deformed.hinges_rad.clone())
+    let deformed = &equilibrium.deformed;
+    let point_mm = match load.application {
+        Application::Fixed => load.point_mm.into(),
+        Application::AtT2 => deformed.midpoints_mm[model.levels.len() - 1],
+    };
+    Ok(Pose { angles_rad: deformed.hinges_rad.clone(), point_mm })
 }

@@ -11,6 +11,8 @@ spineline::named! {
         Osim = "osim",
         /// Poses of the films as a motion of OpenSim.
         Sto = "sto",
+        /// Forces of the films as external loads of OpenSim.
+        Loads = "loads",
         /// Unified robot description format, with the springs in SDFormat's extension.
         Urdf = "urdf",
         /// Vertebral bodies as VTK's XML PolyData.
@@ -28,6 +30,7 @@ impl ExportFormat {
             Self::Mjcf => "xml",
             Self::Osim => "osim",
             Self::Sto => "sto",
+            Self::Loads => "loads.xml",
             Self::Urdf => "urdf",
             Self::Vtp => "vtp",
             Self::Gltf => "gltf",
@@ -40,7 +43,10 @@ impl ExportFormat {
         match self {
             Self::Mjcf => "MuJoCo",
             Self::Osim => "OpenSim 4",
-            Self::Sto => "OpenSim 4; the pose of every film, as a motion of the `osim` model",
+            Self::Sto => "OpenSim 4; pose and force of every film, as a motion of the `osim` model",
+            Self::Loads => {
+                "OpenSim 4; ExternalLoads with the forces of the `sto` motion, under the name films.sto"
+            }
             Self::Urdf => "Pinocchio, Gazebo, Drake and others",
             Self::Vtp => "3D Slicer and ParaView; vertebral bodies with their angles, no joints",
             Self::Gltf => "Blender, ParaView and others; vertebral bodies, no joints",
@@ -51,7 +57,7 @@ impl ExportFormat {
     #[must_use]
     pub const fn media_type(self) -> &'static str {
         match self {
-            Self::Mjcf | Self::Osim | Self::Urdf | Self::Vtp => "application/xml",
+            Self::Mjcf | Self::Osim | Self::Loads | Self::Urdf | Self::Vtp => "application/xml",
             Self::Sto => "text/plain",
             Self::Gltf => "model/gltf+json",
         }

@@ -139,10 +139,12 @@ fn forces(xml: &mut Document, posed: &[&Film]) {
 fn keyframes(xml: &mut Document, posed: &[&Film], joints: &[Joint]) {
     xml.open("keyframe", &[]);
     for film in posed {
-        let free = film.pose.iter().flatten().zip(joints).flat_map(|(angles_rad, joint)| {
-            let hinges = joint.hinges.iter().zip(angles_rad).filter(|(hinge, _)| !hinge.locked);
-            hinges.map(|(_, &angle_rad)| angle_rad)
-        });
+        let free = film.pose.iter().flat_map(|pose| &pose.angles_rad).zip(joints).flat_map(
+            |(angles_rad, joint)| {
+                let hinges = joint.hinges.iter().zip(angles_rad).filter(|(hinge, _)| !hinge.locked);
+                hinges.map(|(_, &angle_rad)| angle_rad)
+            },
+        );
         let qpos = numbers(&free.collect::<Vec<f64>>());
         xml.empty("key", &[("name", film.name()), ("qpos", &qpos)]);
     }

@@ -7,6 +7,7 @@
 
 mod assembly;
 mod boxes;
+mod external_loads;
 mod films;
 mod format;
 mod gltf;
@@ -48,6 +49,7 @@ pub fn export(
         ExportFormat::Mjcf => mjcf::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Osim => osim::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Sto => motion::text(model, &assembly(vertebrae)?, generator),
+        ExportFormat::Loads => external_loads::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Urdf => urdf::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Vtp => vtp::text(model, &vertebrae, generator),
         ExportFormat::Gltf => gltf::text(model, &vertebrae, generator),

@@ -21,10 +21,10 @@ pub(super) const DIALECT: Dialect = Dialect {
 };
 
 /// Version of the document's layout: OpenSim 4.5 and later read it without converting.
-const LAYOUT: &str = "40500";
+pub(super) const LAYOUT: &str = "40500";
 
 /// A vector of `G`, or of a vertebra, in OpenSim's order of axes.
-fn opensim(v: &Vec3) -> Vec3 {
+pub(super) fn opensim(v: &Vec3) -> Vec3 {
     Vec3::new(v.x, v.z, -v.y)
 }
 

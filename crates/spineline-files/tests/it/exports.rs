@@ -126,7 +126,9 @@ fn springs(all: &[Element], format: ExportFormat) -> Vec<(String, f64)> {
             .zip(named(all, "springStiffness"))
             .map(|(g, v)| (g.attribute("reference").to_owned(), own(&v.text)))
             .collect(),
-        ExportFormat::Sto | ExportFormat::Vtp | ExportFormat::Gltf => Vec::new(),
+        ExportFormat::Sto | ExportFormat::Loads | ExportFormat::Vtp | ExportFormat::Gltf => {
+            Vec::new()
+        }
     }
 }
 
@@ -335,7 +337,10 @@ fn names_are_escaped_in_every_format() {
                     assert!(plain.chars().all(|c| c.is_ascii_alphanumeric() || "._-".contains(c)));
                     assert!(!plain.is_empty());
                 }
-                ExportFormat::Sto | ExportFormat::Vtp | ExportFormat::Gltf => {}
+                ExportFormat::Sto
+                | ExportFormat::Loads
+                | ExportFormat::Vtp
+                | ExportFormat::Gltf => {}
             }
         }
     }

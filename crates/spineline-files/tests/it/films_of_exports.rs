@@ -117,17 +117,51 @@ fn the_motion_of_opensim_has_the_poses_of_the_keyframes() {
         let (all, _) = read(&exported(&model, ExportFormat::Osim));
         let coordinates = named(&all, "Coordinate");
         let names: Vec<&str> = coordinates.iter().map(|c| c.attribute("name")).collect();
-        assert_eq!(columns, names);
-        assert!(rows[0].iter().all(|angle| *angle == 0.0), "erect");
+        let hinges = names.len();
+        assert_eq!(columns[..hinges], names);
+        assert!(rows[0].iter().all(|number| *number == 0.0), "erect");
         let (all, _) = read(&exported(&model, ExportFormat::Mjcf));
         let free: Vec<&str> = named(&all, "joint").iter().map(|j| j.attribute("name")).collect();
         for (row, key) in rows[1..].iter().zip(named(&all, "key")) {
-            let angles = columns.iter().zip(row);
+            let angles = columns[..hinges].iter().zip(row);
             let (turning, locked): (Vec<_>, Vec<_>) =
                 angles.partition(|(name, _)| free.contains(&name.as_str()));
             let angles: Vec<f64> = turning.into_iter().map(|(_, angle)| *angle).collect();
             assert_eq!(angles, numbers(key.attribute("qpos")));
             assert!(locked.into_iter().all(|(_, angle)| *angle == 0.0));
+        }
+    }
+}
+
+#[test]
+fn external_loads_have_the_forces_of_the_motion_at_points_of_their_lines() {
+    // Oracle: the forces of the model; a line through T2's midpoint passes the midpoint of the pose.
+    for model in [model(Support::Free), pushed_at_t2(Support::Free)] {
+        let (all, comments) = read(&exported(&model, ExportFormat::Loads));
+        assert!(comments[0].contains("SYNTHETIC"));
+        let text = |kind: &str| named(&all, kind)[0].text.clone();
+        assert_eq!(text("applied_to_body"), "T2");
+        assert_eq!(text("datafile"), "films.sto");
+        let (columns, rows) = motion(&model);
+        let vector = |row: &[f64], kind: &str| {
+            let part = |axis| {
+                let name = format!("{}{axis}", text(kind));
+                row[columns.iter().position(|column| *column == name).expect("a column")]
+            };
+            // OpenSim's x, y, z are anterior, cranial and right.
+            Vec3::new(part("x"), -part("z"), part("y"))
+        };
+        let (bodies, _) = read(&exported(&model, ExportFormat::Mjcf));
+        assert_eq!(rows.len(), 1 + model.loads.len());
+        for ((row, load), key) in rows[1..].iter().zip(&model.loads).zip(named(&bodies, "key")) {
+            let force_n = vector(row, "force_identifier");
+            assert!((force_n - load.force_vector_n()).norm() < 1e-9, "{:?}", load.posture);
+            let point_m = vector(row, "point_identifier");
+            let expected_m = match load.application {
+                Application::Fixed => Vec3::from(load.point_mm) / 1000.0,
+                Application::AtT2 => posed(&bodies, &numbers(key.attribute("qpos"))).1,
+            };
+            assert!((point_m - expected_m).norm() < 1e-9, "{:?}", load.posture);
         }
     }
 }
@@ -143,7 +177,10 @@ fn a_mirrored_model_has_mirrored_films() {
     let (columns, rows) = motion(&model);
     for (one, two) in rows.iter().zip(motion(&other).1) {
         for ((name, a), b) in columns.iter().zip(one).zip(two) {
-            let sign = if name.ends_with("_flexion") { 1.0 } else { -1.0 };
+            // OpenSim's x is anterior and its y cranial.
+            let stays =
+                ["_flexion", "_vx", "_vy", "_px", "_py"].iter().any(|end| name.ends_with(end));
+            let sign = if stays { 1.0 } else { -1.0 };
             assert!((sign * a - b).abs() < RAD, "{name}");
         }
     }
@@ -169,7 +206,13 @@ fn a_film_without_an_equilibrium_has_no_pose_and_the_file_says_why() {
     model.loads[1].force_n = -1e5;
     model.loads[1].application = Application::AtT2;
     let missing = [model.loads[0].posture.key(), model.loads[1].posture.key()];
-    for format in [ExportFormat::Mjcf, ExportFormat::Osim, ExportFormat::Urdf, ExportFormat::Sto] {
+    for format in [
+        ExportFormat::Mjcf,
+        ExportFormat::Osim,
+        ExportFormat::Urdf,
+        ExportFormat::Sto,
+        ExportFormat::Loads,
+    ] {
         let text = exported(&model, format);
         let lines: Vec<&str> = text.lines().filter(|line| line.contains("so no pose")).collect();
         assert_eq!(lines.len(), 2, "{format:?}");

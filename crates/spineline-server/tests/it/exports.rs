@@ -110,6 +110,7 @@ fn landmarks_and_models_are_read_back() {
         ("mjcf", "-inflection_line.xml", "<mujoco"),
         ("osim", "-inflection_line.osim", "<OpenSimDocument"),
         ("sto", "-inflection_line.sto", "endheader"),
+        ("loads", "-inflection_line.loads.xml", "<ExternalLoads"),
         ("urdf", "-inflection_line.urdf", "<robot"),
         ("vtp", "-inflection_line.vtp", "<VTKFile"),
         ("gltf", "-inflection_line.gltf", "\"asset\""),
@@ -118,8 +119,8 @@ fn landmarks_and_models_are_read_back() {
         assert!(model.text().contains(mark), "{format}");
     }
     assert!(lead.get(&format!("/api/studies/{STUDY}/case")).status.is_success());
-    let all = ["slicer", "dicom_sr", "mjcf", "osim", "sto", "urdf", "vtp", "gltf", "case"];
-    assert_eq!(logged(&app, 9), all.map(|one| format!("export_{one}")));
+    let all = ["slicer", "dicom_sr", "mjcf", "osim", "sto", "loads", "urdf", "vtp", "gltf", "case"];
+    assert_eq!(logged(&app, 10), all.map(|one| format!("export_{one}")));
 }
 
 #[test]
