@@ -36,21 +36,6 @@ spineline::named! {
 }
 
 impl Construction {
-    /// Short description.
-    #[must_use]
-    pub const fn meaning(self) -> &'static str {
-        match self {
-            Self::Rod => "continuous rod, stiffness in steps",
-            Self::Discs => "rigid vertebrae, flexible discs, stiffness that rises smoothly",
-            Self::Hinges => {
-                "rigid vertebrae, hinges off the middle of the discs, wandering stiffness"
-            }
-            Self::Elastica => "continuous elastica, stiffness a smooth random field",
-            Self::Wedges => "rigid wedged bodies, hinges anywhere in and beside the discs",
-            Self::Stiffening => "as wedges, with springs that stiffen",
-        }
-    }
-
     /// Whether it has the statics of the module `column`.
     pub(crate) const fn is_column(self) -> bool {
         matches!(self, Self::Elastica | Self::Wedges | Self::Stiffening)

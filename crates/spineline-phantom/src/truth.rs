@@ -4,57 +4,41 @@ use spineline::action::LineOfAction;
 use spineline::anatomy::Posture;
 use spineline::spatial::{Angle, Frontal};
 
-/// Loading scenario of the synthetic spine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Scenario {
-    /// A force through the inflections (the paper's hypothesis).
-    Rod,
-    /// Prescribed rotations, all to one side (clinical bends).
-    Bend,
-    /// A force at T2 parallel to the iliac line (Petit's hypothesis).
-    Pull,
-    /// All segments rotate in proportion to their erect curvature: no force, and no rotation at the inflections.
-    Flatten,
-    /// A force as in [`Scenario::Rod`] along a line that crosses the spine caudal of its inflections.
-    Offset,
-    /// A load of the same size on every millimetre of the spine: horizontal for bends, cranial for traction.
-    Spread,
-    /// Random rotation of every joint.
-    Random,
-    /// The weight of trunk, head and arms along the film's vertical, which is tilted relative to L4.
-    Weight,
-    /// A horizontal force spread evenly over the length.
-    Lateral,
-    /// One moment at all levels.
-    Couple,
-    /// A force through the inflections and a horizontal one at the apex of the main thoracic curve.
-    TwoForces,
-    /// As the rod, with the axis of L4 rotated on the bends: everything above it is rotated in its frame.
-    TurnedBase,
-    /// Weight along the film's vertical, slightly tilted relative to L4, with one moment at all levels.
-    WeightAndCouple,
-    /// Horizontal forces of two pads: at T5 to one side, and half as much at T11 against it.
-    Pads,
+spineline::named! {
+    /// Loading scenario of the synthetic spine.
+    pub enum Scenario {
+        /// A force through the inflections (the paper's hypothesis).
+        Rod = "rod" as "force through the inflections",
+        /// Prescribed rotations, all to one side (clinical bends).
+        Bend = "bend" as "all joints turn to one side",
+        /// A force at T2 parallel to the iliac line (Petit's hypothesis).
+        Pull = "pull" as "force at T2 along the iliac line",
+        /// All segments rotate in proportion to their erect curvature: no force, and no rotation at the inflections.
+        Flatten = "flatten" as "curvature scaled everywhere, no force",
+        /// A force as in `rod` along a line that crosses the spine caudal of its inflections.
+        Offset = "offset" as "force along a line beside the inflections",
+        /// A load of the same size on every millimetre of the spine: horizontal for bends, cranial for traction.
+        Spread = "spread" as "load distributed over the whole spine",
+        /// Random rotation of every joint.
+        Random = "random" as "joints turn at random",
+        /// The weight of trunk, head and arms along the film's vertical, which is tilted relative to L4.
+        Weight = "weight" as "weight along a tilted vertical",
+        /// A horizontal force spread evenly over the length.
+        Lateral = "lateral" as "horizontal force distributed over the length",
+        /// One moment at all levels.
+        Couple = "couple" as "the same moment at all levels",
+        /// A force through the inflections and a horizontal one at the apex of the main thoracic curve.
+        TwoForces = "two-forces" as "forces through the inflections and at the apex",
+        /// As the rod, with the axis of L4 rotated on the bends: everything above it is rotated in its frame.
+        TurnedBase = "turned-base" as "force through the inflections, and L4's axis turned",
+        /// Weight along the film's vertical, slightly tilted relative to L4, with one moment at all levels.
+        WeightAndCouple = "weight-and-couple" as "weight and the same moment at all levels",
+        /// Horizontal forces of two pads: at T5 to one side, and half as much at T11 against it.
+        Pads = "pads" as "horizontal forces of two pads against each other",
+    }
 }
 
 impl Scenario {
-    /// Every scenario.
-    pub const ALL: [Self; 14] = [
-        Self::Rod,
-        Self::Flatten,
-        Self::Offset,
-        Self::Bend,
-        Self::Pull,
-        Self::Spread,
-        Self::Random,
-        Self::Weight,
-        Self::Lateral,
-        Self::Couple,
-        Self::TwoForces,
-        Self::TurnedBase,
-        Self::WeightAndCouple,
-        Self::Pads,
-    ];
     /// The three scenarios that `spineline reproduce` compares with the paper.
     pub const PAPER: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
     /// Scenarios for a comparison of lines: [`Scenario::PAPER`] and the counter-examples.
@@ -62,52 +46,10 @@ impl Scenario {
     /// Scenarios for a comparison of loads, which no single line describes.
     pub const LOADS: &[Self] = Self::ALL.split_at(7).1;
 
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Rod => "rod",
-            Self::Bend => "bend",
-            Self::Pull => "pull",
-            Self::Flatten => "flatten",
-            Self::Offset => "offset",
-            Self::Spread => "spread",
-            Self::Random => "random",
-            Self::Weight => "weight",
-            Self::Lateral => "lateral",
-            Self::Couple => "couple",
-            Self::TwoForces => "two-forces",
-            Self::TurnedBase => "turned-base",
-            Self::WeightAndCouple => "weight-and-couple",
-            Self::Pads => "pads",
-        }
-    }
-
     /// Whether forces move the spine; else its rotations are prescribed.
     #[must_use]
     pub const fn is_elastic(self) -> bool {
         !matches!(self, Self::Bend | Self::Flatten | Self::Random)
-    }
-
-    /// Short description.
-    #[must_use]
-    pub const fn meaning(self) -> &'static str {
-        match self {
-            Self::Rod => "force through the inflections",
-            Self::Bend => "all joints turn to one side",
-            Self::Pull => "force at T2 along the iliac line",
-            Self::Flatten => "curvature scaled everywhere, no force",
-            Self::Offset => "force along a line beside the inflections",
-            Self::Spread => "load distributed over the whole spine",
-            Self::Random => "joints turn at random",
-            Self::Weight => "weight along a tilted vertical",
-            Self::Lateral => "horizontal force distributed over the length",
-            Self::Couple => "the same moment at all levels",
-            Self::TwoForces => "forces through the inflections and at the apex",
-            Self::TurnedBase => "force through the inflections, and L4's axis turned",
-            Self::WeightAndCouple => "weight and the same moment at all levels",
-            Self::Pads => "horizontal forces of two pads against each other",
-        }
     }
 }
 

@@ -1,15 +1,11 @@
 //! Options of synthetic patients.
 
-use std::sync::LazyLock;
-
-use clap::ValueEnum;
-use clap::builder::PossibleValue;
 use spineline::analysis::AnalysisOptions;
 use spineline::curve::OrderRule;
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
 use spineline::personalize::FitTarget;
-use spineline_phantom::{Construction, Readers, Scenario};
+use spineline_phantom::Readers;
 
 use crate::run::failure::Failure;
 
@@ -23,38 +19,6 @@ pub fn options_of(support: Support, target: FitTarget) -> AnalysisOptions {
         support,
         target,
         ..AnalysisOptions::paper()
-    }
-}
-
-/// A loading scenario: what moved the synthetic spine.
-#[derive(Clone, Copy)]
-pub struct ScenarioName(pub Scenario);
-
-impl ValueEnum for ScenarioName {
-    fn value_variants<'a>() -> &'a [Self] {
-        static NAMES: LazyLock<Vec<ScenarioName>> =
-            LazyLock::new(|| Scenario::ALL.into_iter().map(ScenarioName).collect());
-        &NAMES
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.0.key()).help(self.0.meaning()))
-    }
-}
-
-/// How the synthetic spine is built.
-#[derive(Clone, Copy)]
-pub struct ConstructionName(pub Construction);
-
-impl ValueEnum for ConstructionName {
-    fn value_variants<'a>() -> &'a [Self] {
-        static NAMES: LazyLock<Vec<ConstructionName>> =
-            LazyLock::new(|| Construction::ALL.into_iter().map(ConstructionName).collect());
-        &NAMES
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.0.key()).help(self.0.meaning()))
     }
 }
 

@@ -100,7 +100,7 @@ fn over_hundreds_of_patients() {
         (1..=10).flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (index, seed))).collect();
     for scenario in [Scenario::Rod, Scenario::Pull] {
         let counts = study(scenario, &patients, 400);
-        println!("synthetic, {} ({})", scenario.key(), scenario.meaning());
+        println!("synthetic, {} ({scenario})", scenario.key());
         for (kind, [held, all]) in &counts {
             println!("  {kind}: {held} of {all}, {:.1} %", 100.0 * *held as f64 / *all as f64);
         }

@@ -25,7 +25,7 @@ pub struct Group<'a> {
     /// Its name.
     pub name: &'static str,
     /// What it means, in a few words.
-    pub meaning: &'static str,
+    pub meaning: String,
     /// With free support, which is the paper's.
     pub free: &'a Cohort,
     /// With the patient held in the frontal plane.

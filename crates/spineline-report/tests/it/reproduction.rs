@@ -69,7 +69,7 @@ fn told(films: Films, says: &[Says]) -> [String; 2] {
     let groups = ["rod", "bend", "pull"].into_iter().zip(says).zip(&cohorts);
     let groups = groups.map(|((name, &says), cohort)| Group {
         name,
-        meaning: "constructed",
+        meaning: "constructed".to_owned(),
         free: cohort,
         frontal: cohort,
         claims: claims(says),

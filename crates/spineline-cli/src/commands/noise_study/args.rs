@@ -8,7 +8,6 @@ use spineline::personalize::FitTarget;
 use spineline_phantom::Scenario;
 
 use crate::options::choice::choice;
-use crate::options::phantoms::ScenarioName;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
 
@@ -28,8 +27,8 @@ pub struct NoiseStudyArgs {
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
     /// Loading scenarios, separated by commas [default: all]
-    #[arg(long, value_name = "SCENARIOS", value_enum, value_delimiter = ',')]
-    pub scenarios: Vec<ScenarioName>,
+    #[arg(long, value_name = "SCENARIOS", value_parser = choice::<Scenario>(), value_delimiter = ',')]
+    pub scenarios: Vec<Scenario>,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = AnalysisOptions::paper().target.key())]
     pub fit: FitTarget,
@@ -40,7 +39,7 @@ pub struct NoiseStudyArgs {
 impl NoiseStudyArgs {
     /// What is studied, in the order of the figure.
     pub fn scenarios(&self) -> Vec<Scenario> {
-        let wanted: Vec<Scenario> = self.scenarios.iter().map(|name| name.0).collect();
+        let wanted = &self.scenarios;
         let every = Scenario::LINES.iter().copied();
         every.filter(|scenario| wanted.is_empty() || wanted.contains(scenario)).collect()
     }

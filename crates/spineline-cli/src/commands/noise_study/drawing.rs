@@ -15,7 +15,7 @@ pub fn svg(points: &[Point], args: &NoiseStudyArgs) -> String {
         .iter()
         .map(|scenario| NoiseScenario {
             name: scenario.key().to_owned(),
-            meaning: scenario.meaning().to_owned(),
+            meaning: scenario.to_string(),
         })
         .collect();
     let movement: Vec<Way> = WAYS.into_iter().filter(|way| way.has_movement()).collect();

@@ -20,7 +20,7 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
         NOISE_MM[NOISE_MM.len() - 1]
     );
     for scenario in args.scenarios() {
-        text.push_str(&format!("  {:8} {}\n", scenario.key(), scenario.meaning()));
+        text.push_str(&format!("  {:8} {scenario}\n", scenario.key()));
     }
     let lost: usize = points.iter().map(|point| point.lost).sum();
     if lost > 0 {

@@ -5,18 +5,18 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, value_parser};
 use spineline_phantom::{Construction, Scenario};
 
-use crate::options::phantoms::{ConstructionName, ScenarioName};
+use crate::options::choice::choice;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
 
 #[derive(Args)]
 pub struct PhantomArgs {
     /// Loading scenario that moved the spine
-    #[arg(long, value_enum, default_value_t = ScenarioName(Scenario::Rod))]
-    pub scenario: ScenarioName,
+    #[arg(long, value_parser = choice::<Scenario>(), default_value = Scenario::Rod.key())]
+    pub scenario: Scenario,
     /// How the spine is built; other than `rod` for scenarios with forces
-    #[arg(long, value_enum, default_value_t = ConstructionName(Construction::Rod))]
-    pub construction: ConstructionName,
+    #[arg(long, value_parser = choice::<Construction>(), default_value = Construction::Rod.key())]
+    pub construction: Construction,
     /// Standard deviation of the random effect of every joint on its stiffness, in percent, from 0 to 50
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     pub joint_sd: f64,

@@ -26,7 +26,7 @@ Examples:
 
 /// The construction of the spines.
 fn build(args: &PhantomArgs) -> Result<Build, Failure> {
-    let (construction, scenario) = (args.construction.0, args.scenario.0);
+    let (construction, scenario) = (args.construction, args.scenario);
     if !construction.takes(scenario) {
         let (construction, scenario) = (construction.key(), scenario.key());
         let error = PhantomError::Construction { scenario, construction };
@@ -40,7 +40,7 @@ fn build(args: &PhantomArgs) -> Result<Build, Failure> {
 }
 
 pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
-    let scenario = args.scenario.0;
+    let scenario = args.scenario;
     let readers = readers(args.noise)?;
     let subjects = match args.subject {
         Some(number) if (1..=SUBJECTS.len()).contains(&number) => number..=number,

@@ -40,6 +40,7 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
         let patients: Vec<CohortPatient> = analyses.iter().map(CohortPatient::of).collect();
         let cohort = cohort::of(&patients, args.seed, args.threads)?;
         let [name, meaning] = GROUP;
+        let meaning = meaning.to_owned();
         runs.push(Run { name, meaning, support, cases: cases.clone(), analyses, cohort });
     }
     let ending = write(args, Films::Given, &runs, None, &provenance, outputs)?;

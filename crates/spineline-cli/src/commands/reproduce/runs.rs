@@ -16,7 +16,7 @@ pub struct Run {
     /// Name of their group.
     pub name: &'static str,
     /// What the name means.
-    pub meaning: &'static str,
+    pub meaning: String,
     /// Their support.
     pub support: Support,
     /// Their cases.
@@ -79,7 +79,7 @@ pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, 
         scenarios.zip(phantoms).zip(cohorts).map(|(((support, scenario), phantoms), cohort)| {
             let cases = phantoms.iter().map(|phantom| phantom.case.clone()).collect();
             let analyses = analyses.by_ref().take(SUBJECTS.len()).collect();
-            let (name, meaning) = (scenario.key(), scenario.meaning());
+            let (name, meaning) = (scenario.key(), scenario.to_string());
             Run { name, meaning, support, cases, analyses, cohort }
         });
     Ok(runs.collect())
@@ -95,7 +95,7 @@ pub fn groups(runs: &[Run], seed: u64) -> Vec<Group<'_>> {
                 free.analyses.iter().map(PatientClaims::of).collect();
             Group {
                 name: free.name,
-                meaning: free.meaning,
+                meaning: free.meaning.clone(),
                 free: &free.cohort,
                 frontal: &frontal.cohort,
                 claims: Claims::of(&patients, seed),
