@@ -69,6 +69,11 @@ pub(crate) struct Minimum {
 /// actual over the predicted decrease of `|r|^2`, the damping `d` becomes `d max(1/10, 1 - (2 ratio - 1)^3)` after a decrease;
 /// else it is multiplied by 2, 4, 8 and so on.
 ///
+/// # End
+/// A step is the last one where the undamped step promises a decrease of at most `1e-6 max(1, |r|^2 / rows)`. With residuals in standard
+/// deviations, its root is the length of the step in standard deviations of the unknowns, which residuals beyond the noise widen: 0.001,
+/// however flat the minimum is.
+///
 /// # References
 /// [more-1978], [nielsen-1999].
 pub(crate) fn minimize(
@@ -78,7 +83,7 @@ pub(crate) fn minimize(
     rows: usize,
     mut evaluate: impl FnMut(&DVector<f64>, &mut System) -> bool,
 ) -> Minimum {
-    const MAX_ITERATIONS: u32 = 100;
+    const MAX_ITERATIONS: u32 = 200;
     let n = x.len();
     clamp(&mut x, lower, upper);
     let (mut system, mut trial) = (System::new(rows, n), System::new(rows, n));
@@ -93,36 +98,39 @@ pub(crate) fn minimize(
         let normal = system.jacobian.tr_mul(&system.jacobian);
         let gradient = system.jacobian.tr_mul(&system.residuals);
         let cost = system.cost();
+        let step_at = |damping: f64| bounded_step(&normal, damping, &gradient, &x, [lower, upper]);
+        let promise = |next: &DVector<f64>| {
+            let step = next - &x;
+            -2.0 * step.dot(&gradient) - normal_form(&normal, &step)
+        };
+        let least = LAST_DECREASE * f64::max(1.0, cost / rows as f64);
+        if step_at(UNDAMPED).is_some_and(|next| promise(&next) <= least) {
+            // Damped, so that an unknown that the residuals hardly depend on stays where it is.
+            let last = step_at(damping.value).unwrap_or_else(|| x.clone());
+            // A neighbourhood in which nothing can be evaluated does not prove a minimum.
+            if evaluate(&last, &mut trial) {
+                status = FitStatus::Converged;
+                if trial.cost() <= cost + least {
+                    (x, system) = (last, trial);
+                }
+            }
+            break;
+        }
         loop {
-            let step = bounded_step(&normal, damping.value, &gradient, &x, [lower, upper]);
+            let step = step_at(damping.value);
             let Some(next) = step else {
                 if !damping.regularize() {
                     break 'outer;
                 }
                 continue;
             };
-            let step = &next - &x;
-            let small = (0..n).all(|i| step[i].abs() <= 1e-12 * (x[i].abs() + 1e-3));
-            // The decrease that the linear model predicts.
-            let promised = -2.0 * step.dot(&gradient) - normal_form(&normal, &step);
             let evaluable = evaluate(&next, &mut trial);
             if evaluable && trial.cost() < cost {
-                damping.accept((cost - trial.cost()) / promised.max(f64::MIN_POSITIVE));
-                let done = cost - trial.cost() <= 1e-7 * cost || small;
+                let promised = promise(&next).max(f64::MIN_POSITIVE);
+                damping.accept((cost - trial.cost()) / promised);
                 std::mem::swap(&mut system, &mut trial);
                 x = next;
-                if done || system.cost() < 1e-24 {
-                    status = FitStatus::Converged;
-                    break 'outer;
-                }
                 break;
-            }
-            if small || promised.abs() <= 1e-12 * cost {
-                // A neighbourhood in which nothing can be evaluated does not prove a minimum.
-                if evaluable {
-                    status = FitStatus::Converged;
-                }
-                break 'outer;
             }
             if !damping.reject() {
                 break 'outer;
@@ -131,6 +139,11 @@ pub(crate) fn minimize(
     }
     Minimum { status, iterations, x, system }
 }
+
+/// A step of 0.001 standard deviations.
+const LAST_DECREASE: f64 = 1e-6;
+/// Keeps the equations of the undamped step regular where the residuals do not depend on an unknown.
+const UNDAMPED: f64 = 1e-12;
 
 /// The damping of steps, by Nielsen's rule [nielsen-1999].
 struct Damping {
@@ -252,7 +265,7 @@ mod tests {
         let wide = DVector::from_element(2, 1e3);
         let end = minimize(DVector::from_vec(vec![-1.2, 1.0]), &-&wide, &wide, 2, rosenbrock);
         assert_eq!(end.status, FitStatus::Converged);
-        assert!((end.x - DVector::from_vec(vec![1.0, 1.0])).norm() < 1e-9);
+        assert!((end.x - DVector::from_vec(vec![1.0, 1.0])).norm() < 1e-4);
     }
 
     #[test]
