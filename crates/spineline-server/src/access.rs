@@ -113,6 +113,14 @@ pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Na
     if shows_results(state, user, &name).await? { Ok(name) } else { Err(blinded()) }
 }
 
+/// Results of a study that the requester may see.
+///
+/// # Errors
+/// As [`open_study`] and [`study_result`].
+pub async fn open_result(state: &AppState, user: &User, study: &str) -> Answer<Arc<StudyResult>> {
+    study_result(state, &open_study(state, user, study).await?).await
+}
+
 /// As [`sees_results`], for a study that the user must be allowed to see.
 async fn shows_results(state: &AppState, user: &User, study: &Name) -> Answer<bool> {
     let (user, study) = (user.clone(), study.clone());

@@ -1,7 +1,6 @@
 //! Local accounts, for admins.
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use spineline_store::{Account, AccountChange, Name, PasswordHash, Role, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -65,11 +64,7 @@ async fn put_account(
 }
 
 fn lacks() -> Failure {
-    Failure::new(
-        StatusCode::UNPROCESSABLE_ENTITY,
-        "refused",
-        "a new account needs a role and a password",
-    )
+    Failure::refused("a new account needs a role and a password")
 }
 
 fn view(account: Account) -> AccountView {

@@ -1,7 +1,6 @@
 //! Permissions in a study, for admins.
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use spineline_store::{Name, Role, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -51,7 +50,7 @@ async fn put_grants(
             user.need_on_study(store, &study, Role::Admin)?;
             let wanted = wanted.iter().map(parse).collect::<Answer<Vec<_>>>()?;
             store.set_grants(&study, &wanted, &by).map_err(|error| match error {
-                StoreError::Unknown { .. } => refused("no account has this name"),
+                StoreError::Unknown { .. } => Failure::refused("no account has this name"),
                 other => other.into(),
             })?;
             views(store, &study)
@@ -63,13 +62,9 @@ async fn put_grants(
 
 fn parse(grant: &Grant) -> Answer<(Name, spineline_store::Role)> {
     if grant.role.0 == Role::Admin {
-        return Err(refused("the role in a study must be `reader` or `editor`"));
+        return Err(Failure::refused("the role in a study must be `reader` or `editor`"));
     }
     Ok((Name::new(&grant.name)?, grant.role.0))
-}
-
-fn refused(message: &str) -> Failure {
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", message)
 }
 
 fn views(store: &Store, study: &Name) -> Answer<Vec<Grant>> {

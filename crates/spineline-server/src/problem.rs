@@ -28,6 +28,12 @@ impl Failure {
         Self { status, problem, retry_after_s: None }
     }
 
+    /// A refusal of what was sent.
+    #[must_use]
+    pub fn refused(message: impl Into<String>) -> Self {
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", message)
+    }
+
     /// Adds the remedy.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {

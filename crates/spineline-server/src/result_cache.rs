@@ -82,9 +82,7 @@ impl StudyResult {
                     "place the landmarks of all vertebrae from L4 to T2 that are seen on the erect film, L2 to T6 at least, and finish the reading",
                 ))
             }
-            Outcome::Refused { text, help, .. } => {
-                Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help))
-            }
+            Outcome::Refused { text, help, .. } => Err(Failure::refused(text).help(help)),
         }
     }
 }

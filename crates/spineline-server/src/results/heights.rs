@@ -6,7 +6,7 @@ use spineline::measure::{HeightLine, SharedHeights};
 use spineline::number::fixed;
 use spineline_store::{CurrentCase, FilmId};
 
-use crate::access::{open_study, study_result};
+use crate::access::open_result;
 use crate::api::{HeightView, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
@@ -23,8 +23,7 @@ pub async fn heights(
     user: User,
     Path((study, film)): Path<(String, i64)>,
 ) -> Answer<Json<Vec<HeightView>>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let result = open_result(&state, &user, &study).await?;
     let view = view_of(&result.current, FilmId(film)).ok_or_else(Failure::not_found)?;
     computed(move || Json(on_film(&result.current, view))).await
 }

@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
@@ -13,9 +12,9 @@ use spineline::response::{
 };
 use spineline::spatial::{Vec3, vector_words};
 
+use super::loads::fitted_model;
 use super::simulated::deformed_shape;
-use crate::access::open_study;
-use crate::access::study_result;
+use crate::access::open_result;
 use crate::api::{LoadAnswer, LoadRequest, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
@@ -36,29 +35,16 @@ pub async fn load(
     Path(study): Path<String>,
     Json(request): Json<LoadRequest>,
 ) -> Answer<Json<LoadAnswer>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let result = open_result(&state, &user, &study).await?;
     computed(move || answer(&result, &request)).await?.map(Json)
 }
 
-fn refused(text: impl Into<String>, help: &str) -> Failure {
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
-}
-
 fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
-    let analysis = result.analysed()?;
-    let kind = request.kind.0;
-    let model = analysis.model(kind).ok_or_else(|| {
-        refused(
-            format!("this study has no model with the {kind}"),
-            "choose a line that has a model",
-        )
-    })?;
+    let (analysis, model) = fitted_model(result, request.kind)?;
     let movable =
         analysis.movement.levels().iter().skip(1).position(|level| level.name() == request.level);
     let vertebra = 1 + movable.ok_or_else(|| {
-        refused(
-            format!("{:?} cannot carry a load", request.level),
+        Failure::refused(format!("{:?} cannot carry a load", request.level)).help(
             "loads act on the vertebrae of the model above the fixed one, L3 to T2 where all are marked",
         )
     })?;
@@ -70,7 +56,7 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
             fixed(size, 0),
             fixed(MAX_ARROW_MM, 0)
         );
-        return Err(refused(text, "drag a shorter arrow"));
+        return Err(Failure::refused(text).help("drag a shorter arrow"));
     }
     loaded(analysis, model, vertebra, force_n)
 }
@@ -121,12 +107,14 @@ fn equilibrium(
 ) -> Answer<Found> {
     let springs = model.stiffness_matrices(&analysis.movement.library);
     let statics = GeneralStatics::new(&analysis.movement.spine, springs, analysis.options.support)
-        .map_err(|error| refused(error.to_string(), "read the notices of the model"))?;
+        .map_err(|error| {
+            Failure::refused(error.to_string()).help("read the notices of the model")
+        })?;
     let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
     let loading = Loading::single(vertebra, load);
     let response =
         respond(&statics, &loading, Goal::FullLoad, 1.0, &mut |_, _| ControlFlow::Continue(()))
-            .map_err(|error| refused(error.to_string(), error.help()))?;
+            .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;
     if let Some(result) = response.result() {
         let status_text = "Equilibrium, reached from the erect spine".to_owned();
         let deformed = result.deformed.clone();

@@ -10,8 +10,7 @@ use super::loads::RELATIVE_SYMBOL;
 use super::notices;
 use super::simulated::{deformed_shape, shape, simulated};
 use super::words::length_unit;
-use crate::access::open_study;
-use crate::access::study_result;
+use crate::access::open_result;
 use crate::api::{
     BodySize, Identified, JointView, LineModelView, MeasuredShape, ModelView, MultiplierView,
     Notice, PostureName, Problem, Severity, Wire,
@@ -30,8 +29,7 @@ pub async fn model(
     user: User,
     Path(study): Path<String>,
 ) -> Answer<Json<ModelView>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let result = open_result(&state, &user, &study).await?;
     result.analysed()?;
     computed(move || result.analysed().map(|analysis| view(&result, analysis))).await?.map(Json)
 }

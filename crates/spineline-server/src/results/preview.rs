@@ -1,7 +1,6 @@
 //! Results of unrecorded events, for the drag of a corner or an axis.
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use spineline::anatomy::Level;
 use spineline::spatial::Pixel;
 use spineline_marking::turn_axis_towards;
@@ -55,9 +54,7 @@ fn before(
 
 /// The rotation of an axis towards the pointer as an event.
 fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Event> {
-    let refused = |text: String, help| {
-        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
-    };
+    let refused = |text: String, help| Failure::refused(text).help(help);
     let level: Level = turn.level.parse().map_err(|error: spineline::anatomy::UnknownLevel| {
         refused(error.to_string(), "name a vertebra that has landmarks")
     })?;

@@ -4,8 +4,7 @@ use axum::extract::State;
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{DesignReliability, QuantityReliability, assess, film_quantities};
 
-use crate::access::open_study;
-use crate::access::study_result;
+use crate::access::open_result;
 use crate::api::{BlandAltmanView, NamedText, Problem, ReliabilityView};
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
@@ -21,8 +20,7 @@ pub async fn reliability(
     user: User,
     Path(study): Path<String>,
 ) -> Answer<Json<Vec<ReliabilityView>>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let result = open_result(&state, &user, &study).await?;
     computed(move || Json(of_studies(&[&result], result.study.as_str()))).await
 }
 

@@ -4,7 +4,7 @@ use axum::extract::State;
 use spineline_report::document::{Block, Section, Table};
 use spineline_report::patient::parts;
 
-use crate::access::{open_study, study_result};
+use crate::access::open_result;
 use crate::api::{BlockView, ColumnView, Problem, SectionView};
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
@@ -45,8 +45,7 @@ async fn of_analysis(
     study: &str,
     parts: fn(&StudyResult) -> Answer<Vec<Section>>,
 ) -> Answer<Json<Vec<SectionView>>> {
-    let study = open_study(state, user, study).await?;
-    let result = study_result(state, &study).await?;
+    let result = open_result(state, user, study).await?;
     result.analysed()?;
     let made = computed(move || Ok(parts(&result)?.into_iter().map(section_view).collect()));
     made.await?.map(Json)

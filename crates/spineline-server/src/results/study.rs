@@ -6,8 +6,7 @@ use spineline_store::FilmId;
 
 use super::live::overlay_of;
 use super::{findings as findings_of, notices};
-use crate::access::open_study;
-use crate::access::study_result;
+use crate::access::open_result;
 use crate::api::{FilmOverlay, LiveStatus, LiveView, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
@@ -24,8 +23,7 @@ pub async fn findings(
     user: User,
     Path(study): Path<String>,
 ) -> Answer<Json<LiveView>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let result = open_result(&state, &user, &study).await?;
     computed(move || Json(view(&result))).await
 }
 
@@ -59,8 +57,7 @@ pub async fn overlay(
     user: User,
     Path((study, film)): Path<(String, i64)>,
 ) -> Answer<Json<FilmOverlay>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let result = open_result(&state, &user, &study).await?;
     let overlay = computed(move || overlay_of(&result, FilmId(film))).await?;
     overlay.map(Json).ok_or_else(Failure::not_found)
 }

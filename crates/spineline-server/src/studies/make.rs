@@ -77,7 +77,7 @@ async fn more_films(
     let films = uploaded(&state, &user, &more.films)?;
     if !study.synthetic && films.iter().any(|(_, upload)| upload.is_synthetic) {
         let text = format!("the films of {} are not synthetic, and a new one is", study.id);
-        return Err(refused(&text).help("make a new study of the synthetic films"));
+        return Err(Failure::refused(text).help("make a new study of the synthetic films"));
     }
     let mut pictures = Pictures::default();
     for film in known {
@@ -158,7 +158,7 @@ async fn import_case(
         let case = NewCase::read(&import.text, bytes_of).map_err(|error| case_refused(&error))?;
         let mut pictures = Pictures::default();
         for (view, file, size) in case.pictures() {
-            let upload = uploads.get(file).ok_or_else(|| refused(missing))?;
+            let upload = uploads.get(file).ok_or_else(|| Failure::refused(missing))?;
             check_picture(view, size, upload)?;
             pictures.add(view, upload)?;
         }
@@ -189,14 +189,14 @@ async fn add(
 /// Checks before any film is processed, beside the pictures that the study has already.
 fn check(films: &[(NewFilm, Arc<Upload>)], mut pictures: Pictures) -> Answer<()> {
     if films.is_empty() {
-        return Err(refused("the request has no film").help("choose at least one film"));
+        return Err(Failure::refused("the request has no film").help("choose at least one film"));
     }
     let mut views: BTreeSet<FilmView> = pictures.0.values().copied().collect();
     for (film, upload) in films {
         let view = film.posture.0;
         check_view(view, upload)?;
         if !views.insert(view) {
-            return Err(refused(&format!("the study has two {view} films"))
+            return Err(Failure::refused(format!("the study has two {view} films"))
                 .help("choose one film per posture, and one lateral film"));
         }
         pictures.add(view, upload)?;
@@ -208,7 +208,7 @@ fn check(films: &[(NewFilm, Arc<Upload>)], mut pictures: Pictures) -> Answer<()>
 fn check_view(view: FilmView, upload: &Upload) -> Answer<()> {
     if upload.is_lateral && view != FilmView::Lateral {
         let text = format!("{view}: the file contains a lateral view");
-        return Err(refused(&text).help("choose the frontal film"));
+        return Err(Failure::refused(text).help("choose the frontal film"));
     }
     Ok(())
 }
@@ -223,7 +223,7 @@ impl Pictures {
             None => Ok(()),
             Some(other) => {
                 let text = format!("the {other} film and the {view} film are the same picture");
-                Err(refused(&text).help("choose a different film for each posture"))
+                Err(Failure::refused(text).help("choose a different film for each posture"))
             }
         }
     }
@@ -252,7 +252,7 @@ fn check_picture(view: FilmView, [columns, rows]: [u64; 2], upload: &Upload) -> 
             "{view}: the case needs a picture of {columns} × {rows} pixels, and this one has {} × {}",
             upload.columns, upload.rows
         );
-        return Err(refused(&text).help("choose the original film"));
+        return Err(Failure::refused(text).help("choose the original film"));
     }
     check_view(view, upload)
 }
@@ -269,7 +269,9 @@ fn prepared_film(
         ScaleChoice::File | ScaleChoice::Pixels if upload.spacing_question.is_some() => {
             let question = upload.spacing_question.as_deref().unwrap_or_default();
             let text = format!("{}: {question}", film.posture.0);
-            return Err(refused(&text).help("enter the distances between columns and rows in mm"));
+            return Err(
+                Failure::refused(text).help("enter the distances between columns and rows in mm")
+            );
         }
         ScaleChoice::File => upload.spacing,
         // The shape of the pixels is kept: all angles depend on it.
@@ -289,7 +291,7 @@ fn prepared_film(
     };
     geometry.check_size().map_err(|error| {
         let posture = film.posture.0;
-        refused(&format!("{posture}: {error}"))
+        Failure::refused(format!("{posture}: {error}"))
             .help("enter another scale, or use the film without one")
     })?;
     let extension = if upload.kind == FilmKind::Dicom { "dcm" } else { "png" };
@@ -324,7 +326,7 @@ pub fn stated_spacing([column_mm, row_mm]: [f64; 2], plane: SpacingPlane) -> Ans
             "enter the distance between pixel centres in mm".to_owned(),
         ]
     };
-    Err(refused(&text).help(help))
+    Err(Failure::refused(text).help(help))
 }
 
 /// De-identifies a film's file.
@@ -347,9 +349,5 @@ fn salt() -> Answer<[u8; 32]> {
 }
 
 fn case_refused(error: &CaseError<&str>) -> Failure {
-    refused(&error.to_string()).help(error.help())
-}
-
-fn refused(text: &str) -> Failure {
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text)
+    Failure::refused(error.to_string()).help(error.help())
 }

@@ -8,7 +8,6 @@ mod view;
 use std::sync::Arc;
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use spineline_store::{KeptComputation, Role};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -95,9 +94,7 @@ pub async fn analysed(
 
 /// How many steps a computation has.
 fn steps(result: &StudyResult, name: ComputationName, request: &ComputationRequest) -> Answer<u64> {
-    let refused = |text: String, help: &str| {
-        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
-    };
+    let refused = |text: String, help: &str| Failure::refused(text).help(help);
     match (name, request.count) {
         (ComputationName::Replicates, count) => replicates::checked(count.unwrap_or_default()),
         (_, Some(_)) => Err(refused(

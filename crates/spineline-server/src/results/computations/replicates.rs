@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use axum::http::StatusCode;
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo, Replicate};
 
 use crate::jobs::{ComputationJob, Found};
@@ -23,8 +22,7 @@ pub fn checked(count: u64) -> Answer<u64> {
         return Ok(count);
     }
     let text = format!("{count} replicates; the limit is 1 to {MAX_COUNT}");
-    Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text)
-        .help("the command line computes more: `analyze --replicates`"))
+    Err(Failure::refused(text).help("the command line computes more: `analyze --replicates`"))
 }
 
 /// All replicates, block by block; `None` where they were cancelled.
@@ -54,9 +52,7 @@ pub fn with_monte_carlo<T>(
     let analysis = result.analysed()?;
     let case = result.current.usable_case();
     let noise = LandmarkNoise::Measured;
-    let monte_carlo = MonteCarlo::new(&case, analysis, noise, SEED).map_err(|error| {
-        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", error.to_string())
-            .help(error.help())
-    })?;
+    let monte_carlo = MonteCarlo::new(&case, analysis, noise, SEED)
+        .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;
     Ok(work(&monte_carlo))
 }

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::time::SystemTime;
 
-use axum::http::StatusCode;
 use chrono::{DateTime, Utc};
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::Posture;
@@ -60,5 +59,5 @@ fn written(
 }
 
 fn refused(error: &LandmarkExportError) -> Failure {
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", error.to_string()).help(error.help())
+    Failure::refused(error.to_string()).help(error.help())
 }

@@ -1,7 +1,6 @@
 //! The model of one line of action for other programs.
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use axum::response::Response;
 
 use super::super::loads::personalised_model;
@@ -35,8 +34,6 @@ pub async fn export_model(
 
 fn text(result: &StudyResult, line: LineKindName, format: ExportFormatName) -> Answer<String> {
     let model = personalised_model(result, line)?;
-    spineline_files::export(&model, format.0, PROGRAM).map_err(|error| {
-        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", error.to_string())
-            .help(error.help())
-    })
+    spineline_files::export(&model, format.0, PROGRAM)
+        .map_err(|error| Failure::refused(error.to_string()).help(error.help()))
 }

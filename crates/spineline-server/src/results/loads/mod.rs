@@ -13,7 +13,7 @@ use utoipa_axum::routes;
 use super::exports::{log, provenance};
 use super::load_intervals::recall;
 use crate::PROGRAM;
-use crate::access::{open_study, study_result};
+use crate::access::{open_result, open_study, study_result};
 use crate::api::{FileOfLoads, LineKindName, LoadMenu, LoadedModel, Problem};
 use crate::attachment::attachment;
 use crate::extract::{Json, JsonText, Path};
@@ -22,7 +22,7 @@ use crate::result_cache::computed;
 use crate::state::AppState;
 use crate::user::User;
 pub use menu::RELATIVE_SYMBOL;
-pub use model::{check_count, personalised_model, refused, simulated_file};
+pub use model::{check_count, fitted_model, personalised_model, simulated_file};
 use model::{model_text, parsed, simulated};
 pub use view::tables;
 
@@ -42,8 +42,7 @@ async fn load_menu(
     user: User,
     Path((study, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<LoadMenu>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let result = open_result(&state, &user, &study).await?;
     computed(move || personalised_model(&result, line).map(|model| menu::menu(&model)))
         .await?
         .map(Json)
@@ -59,8 +58,7 @@ async fn simulate_loads(
     Path((study, line)): Path<(String, LineKindName)>,
     JsonText(text): JsonText,
 ) -> Answer<Json<LoadedModel>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let result = open_result(&state, &user, &study).await?;
     let answer = computed(move || {
         let (loads, model) = (parsed(&text)?, personalised_model(&result, line)?);
         let faults = loads.faults(&model);

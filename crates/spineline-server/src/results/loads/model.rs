@@ -19,14 +19,10 @@ use crate::results::exports::provenance;
 /// Maximum number of loads, more than any plan has.
 const MAX_LOADS: usize = 100;
 
-/// A refusal of what was sent, with a remedy.
-pub fn refused(text: impl Into<String>, help: &str) -> Failure {
-    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
-}
-
 /// Reads a load file.
 pub fn parsed(text: &str) -> Answer<LoadFile> {
-    let loads = parse_load(text).map_err(|error| refused(error.to_string(), error.help()))?;
+    let loads =
+        parse_load(text).map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;
     check_count(&loads)?;
     Ok(loads)
 }
@@ -36,7 +32,9 @@ pub fn check_count(loads: &LoadFile) -> Answer<()> {
     let count = loads.loads.len();
     if count > MAX_LOADS {
         let text = format!("there are {count} loads; the limit is {MAX_LOADS}");
-        return Err(refused(text, "the command line takes more: `spineline simulate --load`"));
+        return Err(
+            Failure::refused(text).help("the command line takes more: `spineline simulate --load`")
+        );
     }
     Ok(())
 }
@@ -45,7 +43,7 @@ pub fn check_count(loads: &LoadFile) -> Answer<()> {
 ///
 /// # Errors
 /// A refusal if the study lacks this model.
-fn fitted_model(result: &StudyResult, line: LineKindName) -> Answer<(&Analysis, &LineModel)> {
+pub fn fitted_model(result: &StudyResult, line: LineKindName) -> Answer<(&Analysis, &LineModel)> {
     let analysis = result.analysed()?;
     let no_model =
         |text: String, help| Failure::new(StatusCode::CONFLICT, "no_model", text).help(help);
@@ -91,5 +89,5 @@ pub fn simulated_file(result: &StudyResult, line: LineKindName, text: &str) -> A
 pub fn simulated(model: PersonalisedModel, loads: LoadFile) -> Answer<Simulated> {
     let mut go_on = |_, _: &_| ControlFlow::Continue(());
     Simulated::of(model, loads, Goal::FullLoad, None, Vec::new(), &mut go_on)
-        .map_err(|error: SimulationError| refused(error.to_string(), error.help()))
+        .map_err(|error: SimulationError| Failure::refused(error.to_string()).help(error.help()))
 }

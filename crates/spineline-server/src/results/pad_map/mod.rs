@@ -17,11 +17,11 @@ use utoipa_axum::routes;
 
 use super::background::{Task, start};
 use super::computations::analysed;
-use super::loads::{check_count, personalised_model, refused};
+use super::loads::{check_count, personalised_model};
 use crate::api::{LineKindName, PadMapRequest, PadMapView, Problem};
 use crate::extract::{Json, Path};
 use crate::jobs::{Jobs, PadMapJob, PadMapWork};
-use crate::problem::Answer;
+use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
 use crate::user::User;
@@ -65,8 +65,10 @@ async fn compute_pad_map(
     let model = computed(move || personalised_model(&of, line)).await??;
     let others = LoadFile::new(request.beside.iter().map(|load| load.0.clone()).collect());
     check_count(&others)?;
-    let others =
-        others.place(&model).map_err(|error| refused(error.to_string(), error.help()))?.loading;
+    let others = others
+        .place(&model)
+        .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?
+        .loading;
     let trials = PadTrial::all(model.levels.len(), request.largest_force, STEPS);
     let asked = trials.len() as u64;
     let work = PadMapWork { line, request, others, model, trials };
@@ -105,7 +107,7 @@ fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
         return Ok(());
     }
     let text = format!("{what}: {value}; it must be above 0 and at most {limit}");
-    Err(refused(text, "correct this number"))
+    Err(Failure::refused(text).help("correct this number"))
 }
 
 impl Task for PadMapWork {
@@ -127,12 +129,13 @@ impl Task for PadMapWork {
 /// The effects of all pads, in the order of the trials; `None` where they were cancelled.
 fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
     let PadMapWork { model, trials, others, .. } = &job.work;
-    let unusable = |text: String| refused(text, "read the notices of the model");
+    let unusable = |text: String| Failure::refused(text).help("read the notices of the model");
     let statics = model.statics().map_err(|error| unusable(error.to_string()))?;
     let places = model.curves.as_deref().unwrap_or_default();
     let mut go_on = |_, _: &_| ControlFlow::Continue(());
     let others = OtherLoads::new(&statics, others.clone(), &mut go_on).map_err(|error| {
-        refused(error.to_string(), "change the loads of the plan, or try the pads alone")
+        Failure::refused(error.to_string())
+            .help("change the loads of the plan, or try the pads alone")
     })?;
     let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; trials.len()]));
     let work = || {
