@@ -15,7 +15,6 @@ use spineline::warning::WarningCode;
 
 use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
-use crate::refused_file::RefusedRecord;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,7 +31,7 @@ pub struct CohortFile {
     /// Whether any patient is synthetic.
     synthetic: bool,
     /// The given cases that are not part of the numbers.
-    refused: Vec<RefusedRecord>,
+    refused: Vec<RefusedCase>,
     case_ids: Vec<String>,
     /// Seed of resampling and, beyond 20 patients, of the drawn sign flips.
     seed: u64,
@@ -285,7 +284,7 @@ impl CohortFile {
             generator: generator.to_owned(),
             provenance: None,
             synthetic: cohort.synthetic,
-            refused: refused.iter().map(RefusedRecord::new).collect(),
+            refused: refused.to_vec(),
             case_ids,
             seed,
             believe: compared.believe_words().to_owned(),

@@ -31,6 +31,7 @@ pub use document::{Document, file_stem};
 pub use embedded::embedded;
 pub use html::{html, html_fragment};
 pub use markdown::markdown;
+pub use phrases::sentence_case;
 pub use png::{PRINT_SCALE, PngError, png};
 pub use terminal::terminal;
 pub use warnings::{WarningCounts, warnings};

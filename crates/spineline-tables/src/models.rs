@@ -1,4 +1,3 @@
-use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Region;
 use spineline::evaluate::{Band, Simulation};
@@ -291,10 +290,7 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
         |row| row.item.simulation.line.lateral_tilt().deg(),
     );
     add.text("application", "`fixed` in space, or `at_t2`", |row| {
-        match row.item.simulation.line.application {
-            Application::Fixed => "fixed",
-            Application::AtT2 => "at_t2",
-        }
+        row.item.simulation.line.application.key()
     });
     add.number("force", Unit::Force, "signed force along the line", |row| {
         row.item.simulation.force_n

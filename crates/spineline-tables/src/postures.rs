@@ -1,6 +1,5 @@
 use spineline::action::LineKind;
 use spineline::analysis::FilmMovement;
-use spineline::curve::CurveForm;
 use spineline::measure::FilmLength;
 use spineline::spatial::Angle;
 
@@ -71,10 +70,7 @@ fn film(add: &mut Columns<'_, PostureRow<'_>>) {
 fn curve(add: &mut Columns<'_, PostureRow<'_>>) {
     add.count("curve_order", "order of the curve's polynomial", |row| row.item.fit.order as i64);
     add.text("curve_form", "`graph` (y of z) or `parametric`", |row| {
-        match row.item.fit.curve.form() {
-            CurveForm::Graph => "graph",
-            CurveForm::Parametric => "parametric",
-        }
+        row.item.fit.curve.form().key()
     });
     add.number(
         "curve_rmse",

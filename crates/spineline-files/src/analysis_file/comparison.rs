@@ -3,12 +3,12 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use spineline::analysis::{
     Analysis, BAND_COVERAGE, BendEvidence, ComparedFilm, ComparedLine, Compatibility, FilmBands,
-    FilmRole, FreeNumbers, LinesCompared,
+    FilmRole, FreeNumbers, LinesCompared, MeanErrors,
 };
 use spineline::anatomy::{Levels, Posture};
 use spineline::cohort::{BaselineTest, BaselinesOverPatients};
 use spineline::evaluate::{Band, Baseline, BaselinePrediction, Simulation};
-use spineline::personalize::{FitTarget, TestOutcome};
+use spineline::personalize::TestOutcome;
 
 use super::band::BandRecord;
 use super::model::ModelRecord;
@@ -64,7 +64,7 @@ struct LineRecord {
     fitted_to: String,
     numbers: NumbersRecord,
     /// By role (`fitted`, `left_out_bend`, `held_out`), over the films on which the line has a result.
-    errors: BTreeMap<String, ErrorsRecord>,
+    errors: BTreeMap<String, MeanErrors>,
 }
 
 /// Numbers that a model takes from films.
@@ -81,14 +81,6 @@ pub(crate) struct NumbersRecord {
     fitted: usize,
     /// Numbers that every further film gives before it is predicted.
     per_predicted_film: usize,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct ErrorsRecord {
-    films: usize,
-    location_mm: f64,
-    ferguson_deg: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -222,21 +214,11 @@ fn against_baselines(analysis: &Analysis) -> Vec<AgainstRecord> {
 
 fn line(found: &LinesCompared, place: usize) -> (String, LineRecord) {
     let line = &found.lines[place];
-    let errors = FilmRole::ALL.into_iter().filter_map(|role| {
-        let errors = found.errors(place, role)?;
-        let record = ErrorsRecord {
-            films: errors.films,
-            location_mm: errors.location_mm,
-            ferguson_deg: errors.ferguson_deg,
-        };
-        Some((role.key().to_owned(), record))
-    });
-    let fitted_to = match line.target {
-        FitTarget::Shape => "shape",
-        FitTarget::Ferguson => "ferguson",
-    };
+    let errors = FilmRole::ALL
+        .into_iter()
+        .filter_map(|role| Some((role.key().to_owned(), found.errors(place, role)?)));
     let record = LineRecord {
-        fitted_to: fitted_to.to_owned(),
+        fitted_to: line.target.key().to_owned(),
         numbers: NumbersRecord::new(&line.numbers),
         errors: errors.collect(),
     };

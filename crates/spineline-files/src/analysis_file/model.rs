@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use spineline::action::{Application, LineOfAction};
+use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::{Level, Levels, Posture, Region};
 use spineline::evaluate::Simulation;
@@ -187,11 +187,7 @@ fn line(line: &LineOfAction, depth_mm: f64) -> LineRecord {
     LineRecord {
         point_mm: point(line.point),
         direction: point(line.direction),
-        application: match line.application {
-            Application::Fixed => "fixed",
-            Application::AtT2 => "at_t2",
-        }
-        .to_owned(),
+        application: line.application.key().to_owned(),
         depth_mm,
     }
 }

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use spineline::analysis::{BestFitLine, FilmMovement, LineComparison};
-use spineline::curve::{CurveFit, CurveForm};
+use spineline::curve::CurveFit;
 use spineline::measure::{
     FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra, Origin, SpacingSource,
     VertebraOrigin,
@@ -161,7 +161,7 @@ struct BestFitLineRecord {
     /// Against the line through the inflections.
     inflection_line: Option<LineComparisonRecord>,
     /// Of "it is parallel to the iliac line"; `null` where no crests are marked.
-    parallel_to_iliac_line: Option<TestRecord>,
+    parallel_to_iliac_line: Option<LineTest>,
     /// Against the line that was given for this film.
     given_line: Option<LineComparisonRecord>,
     /// Deviation of ln stiffness among the joints of a region, from all films together.
@@ -185,20 +185,7 @@ struct LineComparisonRecord {
     /// From the middle of the two inflections, or from the point of a given line nearest to it.
     distance_mm: f64,
     /// Of "it runs through both inflections", or "it is the given line".
-    test: TestRecord,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct TestRecord {
-    /// Sum of squares of what vanishes if it is true, in standard deviations.
-    chi_squared: f64,
-    /// How many numbers vanish if it is true.
-    restrictions: u32,
-    /// Degrees of freedom of these standard deviations, if they come from differences of readings; null where noise was assumed,
-    /// or where they are too many to matter.
-    noise_degrees_of_freedom: Option<f64>,
-    p_value: f64,
+    test: LineTest,
 }
 
 impl BestFitLineRecord {
@@ -216,7 +203,7 @@ impl BestFitLineRecord {
                 },
             }),
             inflection_line: found.inflection.map(LineComparisonRecord::new),
-            parallel_to_iliac_line: found.iliac.map(|c| TestRecord::new(c.test)),
+            parallel_to_iliac_line: found.iliac.map(|c| c.test),
             given_line: found.given.map(LineComparisonRecord::new),
             joint_log_sd: found.joint_log_sd,
         }
@@ -233,22 +220,7 @@ fn against_erect(length: &FilmLength) -> FilmLengthRecord {
 
 impl LineComparisonRecord {
     fn new(found: LineComparison) -> Self {
-        Self {
-            angle_deg: found.angle.deg(),
-            distance_mm: found.distance_mm,
-            test: TestRecord::new(found.test),
-        }
-    }
-}
-
-impl TestRecord {
-    fn new(test: LineTest) -> Self {
-        Self {
-            chi_squared: test.chi_squared,
-            restrictions: test.restrictions,
-            noise_degrees_of_freedom: test.noise_degrees_of_freedom,
-            p_value: test.p_value,
-        }
+        Self { angle_deg: found.angle.deg(), distance_mm: found.distance_mm, test: found.test }
     }
 }
 
@@ -256,11 +228,7 @@ impl CurveRecord {
     fn new(fit: &CurveFit, scale: &LengthScale) -> Self {
         Self {
             order: fit.order,
-            form: match fit.curve.form() {
-                CurveForm::Graph => "graph",
-                CurveForm::Parametric => "parametric",
-            }
-            .to_owned(),
+            form: fit.curve.form().key().to_owned(),
             rmse_mm: scale.mm(fit.rmse_mm),
             rmse_px: scale.px(fit.rmse_mm),
             rmse_deg: fit.rmse_tilt.deg(),

@@ -1,10 +1,10 @@
 //! Rotations of segments over a cohort, with table 2 of the paper.
 
-use spineline::cohort::{Clustered, Cohort, EstimateStatistics, PairedComparison};
+use spineline::cohort::{Clustered, Cohort, PairedComparison};
 use spineline::number::with_sd;
 
 use crate::document::{Column, Figure, Section, Table};
-use crate::figures::{self, EstimateGroup, EstimateSample, InflectionSample};
+use crate::figures::{self, EstimateGroup, InflectionSample};
 use crate::phrases::with_interval;
 
 const NO_MOVEMENT: &str = "No patient has both a pair of inflections and a film of another posture than erect: inflections and least-rotating segments cannot be compared.";
@@ -26,26 +26,15 @@ pub fn section(cohort: &Cohort) -> Section {
         }
         None => section.paragraph(NO_MOVEMENT),
     }
-    let group = |name: &str, films: usize| EstimateGroup {
-        name: name.to_owned(),
-        inflection: estimates(&cohort.inflection[films + 1]),
-        mean_least: estimates(&cohort.mean_least[films]),
-    };
-    let groups = [group("bends", 0), group("neutral and traction", 1)];
-    if let Some(svg) = figures::least_rotating_estimates(&groups, cohort.synthetic) {
+    if let Some(svg) =
+        figures::least_rotating_estimates(&EstimateGroup::of(cohort), cohort.synthetic)
+    {
         let caption = "Inflections and MMS_Mean as estimates of the least-rotating segments (figure 10 of the paper).";
         section.figure(Figure::new("estimates", caption, svg));
     }
     section.table(rotations(cohort));
     section.table(table_2(cohort));
     section
-}
-
-fn estimates(of: &EstimateStatistics) -> EstimateSample {
-    EstimateSample {
-        distances_segments: of.all_distances_segments.clone(),
-        rotations_deg: of.all_rotations_deg.clone(),
-    }
 }
 
 fn rotations(cohort: &Cohort) -> Table {

@@ -11,7 +11,7 @@ use crate::figures;
 pub fn section(analyses: &[Analysis]) -> Option<Section> {
     let found: Vec<(&Analysis, TemplateError)> =
         analyses.iter().filter_map(|one| Some((one, one.template_error()?))).collect();
-    let svg = figures::sagittal_profiles(analyses)?;
+    let svg = figures::sagittal_profiles(&found)?;
     let mut section = Section::new("profiles", "Sagittal profiles");
     section.paragraph(format!(
         "{} of {} patients have a lateral film. The models of the others have the sagittal profile of a population. Its errors are shown here for the patients with a lateral film.",

@@ -1,6 +1,7 @@
 //! Samples of a cohort: distances, rotations and location errors.
 
 use spineline::action::LineKind;
+use spineline::cohort::{Cohort, EstimateStatistics};
 
 use super::boxes::{Column, RULE, box_panel, paper_entry};
 use super::page::{Page, Sample};
@@ -37,6 +38,23 @@ pub struct EstimateGroup {
     pub inflection: EstimateSample,
     /// The mean of the least-rotating segments of both bends (the paper's MMS_Mean).
     pub mean_least: EstimateSample,
+}
+
+impl EstimateGroup {
+    /// Bends, and the other films, of a cohort.
+    #[must_use]
+    pub fn of(cohort: &Cohort) -> [Self; 2] {
+        let sample = |found: &EstimateStatistics| EstimateSample {
+            distances_segments: found.all_distances_segments.clone(),
+            rotations_deg: found.all_rotations_deg.clone(),
+        };
+        let group = |name: &str, films: usize| Self {
+            name: name.to_owned(),
+            inflection: sample(&cohort.inflection[films + 1]),
+            mean_least: sample(&cohort.mean_least[films]),
+        };
+        [group("bends", 0), group("neutral and traction", 1)]
+    }
 }
 
 /// Location errors of one model over one group of cases.

@@ -68,9 +68,7 @@ pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
 /// Pitches of all patients with a lateral film, and the errors of the population's profile. `None`
 /// without such a patient.
 #[must_use]
-pub fn sagittal_profiles(analyses: &[Analysis]) -> Option<String> {
-    let found: Vec<(&Analysis, TemplateError)> =
-        analyses.iter().filter_map(|one| Some((one, one.template_error()?))).collect();
+pub fn sagittal_profiles(found: &[(&Analysis, TemplateError)]) -> Option<String> {
     if found.is_empty() {
         return None;
     }

@@ -176,7 +176,8 @@ pub struct LinesCompared {
 }
 
 /// Mean errors of one line over the films of a role on which it has a result.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MeanErrors {
     /// Films.
     pub films: usize,

@@ -18,7 +18,8 @@ named! {
 }
 
 /// A given case without a result. Every output of a cohort names it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RefusedCase {
     /// Name of its file, without folders.
     pub file: String,

@@ -32,17 +32,18 @@ pub use inflection::{
 pub use residual::CurveResidual;
 pub use spread::CurveSpread;
 
-use crate::anatomy::Levels;
+use crate::anatomy::{Levels, named};
 use crate::spatial::{Angle, Frontal};
 use series::Series;
 
-/// How a curve is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CurveForm {
-    /// `y` as a polynomial of `z`.
-    Graph,
-    /// `y` and `z` as polynomials of the chord length.
-    Parametric,
+named! {
+    /// How a curve is written.
+    pub enum CurveForm {
+        /// `y` as a polynomial of `z`.
+        Graph = "graph",
+        /// `y` and `z` as polynomials of the chord length.
+        Parametric = "parametric",
+    }
 }
 
 /// A smooth planar curve from L4 (`t = 0`) to T2 (`t = end`), in the global frontal plane.

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use spineline_files::{AnalysisFile, results_line};
 use spineline_report::document::{Notice, NoticeKind};
-use spineline_report::file_stem;
 use spineline_report::patient::{Patient, report};
+use spineline_report::{file_stem, sentence_case};
 
 use super::args::ReportArgs;
 use super::{films, write};
@@ -43,10 +43,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
     });
     if let Some(films) = document.sections.iter_mut().find(|section| section.id == "films") {
         for why in hidden {
-            let mut words = why.chars();
-            let first = words.next().into_iter().flat_map(char::to_uppercase);
-            let text = format!("{}.", first.chain(words).collect::<String>());
-            films.notice(Notice::new(NoticeKind::Note, text));
+            films.notice(Notice::new(NoticeKind::Note, format!("{}.", sentence_case(&why))));
         }
     }
     let provenance = record.provenance_of(&source);

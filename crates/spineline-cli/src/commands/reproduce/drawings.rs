@@ -4,12 +4,9 @@ use std::path::Path;
 
 use spineline::action::LineKind;
 use spineline::anatomy::Posture;
-use spineline::cohort::EstimateStatistics;
 use spineline::multibody::Support;
 use spineline_files::Provenance;
-use spineline_report::figures::{
-    self, EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample,
-};
+use spineline_report::figures::{self, EstimateGroup, InflectionSample, LocationErrorSample};
 use spineline_report::paper;
 
 use super::runs::Run;
@@ -39,12 +36,7 @@ pub fn write(
         if let Some(svg) = figures::rotations(example) {
             save(format!("figure-05-rotations-{scenario}"), &svg)?;
         }
-        let group = |name: &str, films: usize| EstimateGroup {
-            name: name.to_owned(),
-            inflection: sample(&run.cohort.inflection[films + 1]),
-            mean_least: sample(&run.cohort.mean_least[films]),
-        };
-        let groups = [group("bends", 0), group("neutral and traction", 1)];
+        let groups = EstimateGroup::of(&run.cohort);
         if let Some(svg) = figures::least_rotating_estimates(&groups, run.cohort.synthetic) {
             save(format!("figure-10-estimates-{scenario}"), &svg)?;
         }
@@ -108,13 +100,6 @@ fn error_figures(
         }
     }
     Ok(())
-}
-
-fn sample(estimates: &EstimateStatistics) -> EstimateSample {
-    EstimateSample {
-        distances_segments: estimates.all_distances_segments.clone(),
-        rotations_deg: estimates.all_rotations_deg.clone(),
-    }
 }
 
 /// Figures 9 and 11 of one patient.

@@ -10,9 +10,10 @@ use super::proposed_line::ProposedLine;
 use crate::spatial::Frontal;
 
 /// A test of a proposal.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LineTest {
-    /// Sum of squares of the numbers that should vanish, in its standard deviations.
+    /// Sum of squares of the numbers that should vanish, in their standard deviations.
     pub chi_squared: f64,
     /// Numbers that should vanish: 2 for a line, 1 for a direction.
     pub restrictions: u32,
@@ -35,7 +36,7 @@ pub enum Crossing {
 /// Tests reject at lower p values, here and everywhere else.
 pub const SIGNIFICANCE: f64 = 0.05;
 /// 95 % of chi-squared on one degree of freedom.
-const KNOWN_LIMIT: f64 = 3.841_458_820_694_124;
+pub(crate) const CHI_SQUARED_95: f64 = 3.841_458_820_694_124;
 
 impl LineTest {
     /// Whether the films reject it, with an error of 5 % if it is true.
@@ -109,7 +110,7 @@ pub(super) fn square_limit(freedom: Option<f64>) -> f64 {
     // Every replicate asks for it, and there is one degree of freedom or more: the library's quantile is exact to twelve digits there,
     // and takes a small part of the time of a bisection that is sound below one as well.
     let distribution = freedom.and_then(|freedom| StudentsT::new(0.0, 1.0, freedom).ok());
-    distribution.map_or(KNOWN_LIMIT, |t| t.inverse_cdf(1.0 - 0.5 * SIGNIFICANCE).powi(2))
+    distribution.map_or(CHI_SQUARED_95, |t| t.inverse_cdf(1.0 - 0.5 * SIGNIFICANCE).powi(2))
 }
 
 /// Probability of a larger sum of squares, in deviations that are known or were estimated.
@@ -160,7 +161,7 @@ mod tests {
             let Some(Crossing::Between([low, high])) = loads.crossing(0, z_mm) else {
                 panic!("an interval")
             };
-            let reach = KNOWN_LIMIT.sqrt();
+            let reach = CHI_SQUARED_95.sqrt();
             assert!((low - (10.0 - reach)).abs() < 1e-9 && (high - (10.0 + reach)).abs() < 1e-9);
         }
     }
