@@ -1,8 +1,8 @@
 //! Step 5: the line along which the force acts, in one posture.
 //!
 //! Candidates are compared on equal terms: through the two inflection segments as they lie in the
-//! posture (the paper), parallel to the iliac line through T2 (Petit), the one that fits the data best
-//! ([`crate::personalize::estimate`]), or one that the user gives.
+//! posture (the paper), parallel to the iliac line through T2 (Petit), the one that is estimated from the
+//! rotations ([`crate::personalize::estimate`]), or one that the user gives.
 //!
 //! # References
 //! [jalalian-loa], section 3.1 and figure 7; [petit-2004].

@@ -88,8 +88,7 @@ impl Analysis {
         let predict = |baseline, prior| {
             predict_from_prior(baseline, prior, &self.movement.erect().outline, film)
         };
-        let given = self.options.rotation_prior.as_ref().filter(|_| film.posture.bend().is_some());
-        match given.and_then(|prior| prior.of(self.movement.levels())) {
+        match self.options.rotation_prior_of(film) {
             Some(learned) => [Baseline::RotationPrior, Baseline::RotationPriorWithTilt]
                 .map(|baseline| predict(baseline, &learned))
                 .into(),

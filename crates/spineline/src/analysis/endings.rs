@@ -7,6 +7,15 @@ use crate::number::fixed;
 use crate::personalize::{FitStatus, SIGNIFICANCE, StiffnessBound};
 use crate::warning::{WarningCode, Warnings, counted};
 
+/// Why a shape beyond the human range is shown nowhere, after the name of the shape.
+pub(super) fn human_range_words() -> String {
+    format!(
+        "is beyond the human range of motion (limits: {} at a joint, {} over the spine), so it is not a result",
+        MAX_HUMAN_JOINT.text(0),
+        MAX_HUMAN_COLUMN.text(0)
+    )
+}
+
 /// Warns of fits and simulations without result.
 pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     let mut warn = |code, posture, text| warnings.line(code, model.kind, posture, text);
@@ -18,10 +27,8 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
         let posture = Some(simulation.posture);
         if simulation.status == PathEnding::BeyondHumanRange {
             let text = format!(
-                "the simulated shape is beyond the human range of motion (limits: {} at a joint, {} over the spine), \
-                 so it is not a result: check the landmarks and the amplitude of this film",
-                MAX_HUMAN_JOINT.text(0),
-                MAX_HUMAN_COLUMN.text(0)
+                "the simulated shape {}: check the landmarks and the amplitude of this film",
+                human_range_words()
             );
             warn(WarningCode::BeyondHumanRange, posture, text);
         } else if !simulation.is_usable() {

@@ -254,8 +254,8 @@ fn log_sum(logs: &[f64]) -> f64 {
     largest + logs.iter().map(|log| (log - largest).exp()).sum::<f64>().ln()
 }
 
-/// Of a normal distribution with mean zero, without the factor of π; NaN if the covariance is singular by rounding, and then
-/// nothing is clear.
+/// Of a normal distribution with mean zero, without the factor of π; NaN if the covariance is singular by rounding: callers
+/// then judge nothing.
 fn log_density(values: &DVector<f64>, covariance: DMatrix<f64>) -> f64 {
     let Some(root) = covariance.cholesky().map(|found| found.unpack()) else { return f64::NAN };
     let Some(whitened) = root.solve_lower_triangular(values) else { return f64::NAN };

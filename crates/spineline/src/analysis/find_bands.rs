@@ -59,8 +59,7 @@ impl Known {
         let movement = &analysis.movement;
         let (erect, levels) = (&movement.erect().outline, movement.levels());
         let published = RotationPrior::published(levels);
-        let given = analysis.options.rotation_prior.as_ref();
-        let given = given.filter(|_| film.posture.bend().is_some()).and_then(|p| p.of(levels));
+        let given = analysis.options.rotation_prior_of(film);
         let covariance = |prior: &RotationPrior, tilt| FilmCovariance::of(prior, erect, film, tilt);
         Self {
             posture: film.posture,

@@ -1,11 +1,12 @@
 //! Other loads and bases than the lines, where requested.
 
+use super::endings::human_range_words;
 use super::models::settings_of;
 use super::{Analysis, AnalysisOptions, FilmMovement, Movement};
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::{Hypothesis, HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
-use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, PathEnding};
+use crate::multibody::PathEnding;
 use crate::personalize::{FitSettings, FitStatus, FitTarget, Gauge};
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
@@ -104,9 +105,8 @@ fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
             PathEnding::BeyondHumanRange => (
                 WarningCode::BeyondHumanRange,
                 format!(
-                    "{name}: the shape found for this film ({role}) is beyond the human range of motion (limits: {} at a joint, {} over the spine), so it is not a result: check the landmarks of this film, and do not trust this load",
-                    MAX_HUMAN_JOINT.text(0),
-                    MAX_HUMAN_COLUMN.text(0)
+                    "{name}: the shape found for this film ({role}) {}: check the landmarks of this film, and do not trust this load",
+                    human_range_words()
                 ),
             ),
             _ => (

@@ -79,9 +79,9 @@ fn geometric_line(
             }
         }
         LineKind::Given => {
-            let (_, line) = options.given_lines.iter().find(|(p, _)| *p == name)?;
-            warn_of_distance(line, posture, warnings);
-            options.given_line(&posture.outline)
+            let line = options.given_line(&posture.outline)?;
+            warn_of_distance(&line, posture, warnings);
+            Some(line)
         }
         LineKind::Estimated => None,
     }

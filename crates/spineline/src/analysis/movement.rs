@@ -1,4 +1,4 @@
-//! The results before any force: curves, rotations, and the unloaded spine.
+//! What the films show, and the unloaded spine: curves, rotations, and the lines of best fit to these rotations.
 
 use super::checks::{warn_of_unknown_rotation, warn_of_unmarked_ends};
 use super::measured::{at_erect_length, measure, widths_mm};
@@ -47,8 +47,8 @@ pub struct FilmMovement {
     pub best_fit_line: Option<BestFitLine>,
 }
 
-/// The results before any force: curves, rotations from the erect posture, and the unloaded spine. A result that a film or an option
-/// does not allow is `None` or empty, with a warning.
+/// Curves, rotations from the erect posture, the lines of best fit to these rotations, and the unloaded spine. A result that a film or an
+/// option does not allow is `None` or empty, with a warning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Movement {
     /// Every reading of every film by itself, the erect one first.

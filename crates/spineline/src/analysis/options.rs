@@ -165,6 +165,12 @@ impl AnalysisOptions {
         kinds
     }
 
+    /// The distribution of rotations that was given, for a film that it describes: a bend.
+    pub(super) fn rotation_prior_of(&self, film: &Outline) -> Option<RotationPrior> {
+        let given = self.rotation_prior.as_ref().filter(|_| film.posture.bend().is_some())?;
+        given.of(film.levels())
+    }
+
     /// The line that was given for a film, at the film's scale against the erect one.
     pub(super) fn given_line(&self, film: &Outline) -> Option<LineOfAction> {
         let (_, line) = self.given_lines.iter().find(|(p, _)| *p == film.posture)?;

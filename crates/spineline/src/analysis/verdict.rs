@@ -23,7 +23,7 @@ impl Analysis {
 
     /// The findings on the lines of action, in sentences.
     ///
-    /// First the films that may not show what they are named after: then no line is called kept by them. Then, for
+    /// First the films that may not show what they are named after: such films keep no line. Then, for
     /// every line that is not fitted to the films, whether the bends reject a single force along it
     /// ([`Analysis::compatibility`]), then how well each line predicts films that it was not fitted to, and last how small
     /// its error is on the fitted films, which proves nothing.

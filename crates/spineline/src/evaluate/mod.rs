@@ -1,5 +1,13 @@
 //! Step 8: a personalised model → simulated postures, their errors, and statistics.
 //!
+//! # Definition
+//! The location error of a vertebra is `E_LOC = |simulated - measured midpoint|`, at the scale of the film ([`crate::measure::FilmScale`]); a figure for a
+//! film is its mean over the vertebrae above the base that the film shows, and the Ferguson errors of three regions stand beside it.
+//!
+//! A film that was not fitted is predicted ([`predict`]) from the place of its T2, and so are predictions without mechanics
+//! ([`Baseline`]): patterns of rotation, distributions of rotations ([`RotationPrior`]) and a cubic. A [`Band`] holds a vertebra of such a
+//! film in 95 % of films.
+//!
 //! Postures that were fitted and postures that were held out are never mixed: every [`Simulation`] says which it is.
 //!
 //! # References

@@ -2,7 +2,8 @@
 //!
 //! The rotation of a segment is `|joint angle when erect - joint angle in P|`, the paper's r. The least-rotating segment
 //! is searched in two windows, between the midpoints of L2 and T9 and of T7 and T4 on the erect film. An inflection is a
-//! segment of the **erect** chain and stays that segment in every posture.
+//! segment of the **erect** chain and stays that segment in every posture. The segment midway between the least-rotating ones of both bends
+//! ([`mean_least`], MMS_Mean) is the other estimate of a segment that does not rotate.
 //!
 //! # References
 //! [jalalian-loa], section 3.1, figures 5, 6 and 10.

@@ -1,16 +1,17 @@
 //! Step 6: vertebrae, joints, springs and a load → the shape in static equilibrium.
 //!
 //! # Model
-//! L4 is fixed. Each of the 14 joints sits at the posterior edge of the inferior vertebra's superior endplate and is
+//! The base (L4) is fixed. Each joint up to T2, 14 where all levels are modelled, sits at the posterior edge of the inferior vertebra's superior endplate and is
 //! three hinges in series, x (lateral), y (flexion), z (axial), in the inferior vertebra's anatomical axes, with a
 //! linear torsion spring on each, unstressed in the erect posture or stressed by the weight of the trunk ([`SpineModel::carrying`]);
-//! lateral and axial spring may be coupled ([`JointStiffness`]). The force is carried by rigid T2.
+//! lateral and axial spring may be coupled ([`JointStiffness`]). The force of a line of action is carried by the
+//! uppermost vertebra; other loads act anywhere ([`GeneralStatics`]).
 //!
 //! # Statics
 //! A line fixed in space is a constant spatial wrench, so the moment `m` about a joint depends only on the joint's own
 //! place, which depends only on the joints below. With hinges in series each angle is explicit:
-//! `θx = m·e_x / kx`, `θy = m·(Rx e_y) / ky`, `θz = m·(Rx Ry e_z) / kz`. Equilibrium is one march from L4 to T2, and so
-//! are its derivatives ([`Statics::march`]).
+//! `θx = m·e_x / kx`, `θy = m·(Rx e_y) / ky`, `θz = m·(Rx Ry e_z) / kz`. Equilibrium is one march from the base to the
+//! top, and so are its derivatives ([`Statics::march`]). Other loads take Newton iterations along a path from the unloaded spine.
 //!
 //! # References
 //! [petit-2004], [panjabi-1976], [jalalian-loa] section 2.

@@ -1,4 +1,4 @@
-//! Loads of best fit to the measured rotations: starts of fits, and the estimated line on films that were not fitted.
+//! Loads estimated from the measured rotations by alternating least squares: starts of fits, and the estimated line on films that were not fitted.
 
 use nalgebra::{Matrix3, Vector3};
 

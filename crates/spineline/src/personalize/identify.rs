@@ -33,6 +33,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::fit::problem_of;
+use super::mixed::CHI_SQUARED_95;
 use super::problem::Problem;
 use super::{FitFilm, FitSettings, Gauge, GroupStiffness, MULTIPLIER_BOUNDS, Personalization};
 use crate::anatomy::named;
@@ -193,7 +194,7 @@ named! {
 
 impl Profile {
     /// Rise of the sum of squares at the ends of the 95 % interval if the model is exact: 95 % of chi-squared on one degree of freedom.
-    pub const LIMIT: f64 = 3.841_458_820_694_124;
+    pub const LIMIT: f64 = CHI_SQUARED_95;
 
     /// Whether a point does better than the fit: then the fit was not a minimum.
     #[must_use]

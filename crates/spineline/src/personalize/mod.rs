@@ -1,15 +1,18 @@
 //! Step 7: bending films and a line of action → stiffness multipliers and forces.
 //!
 //! # Model
-//! Unknown are `ln α` per group of joints (lateral springs, shared by all bends) and one force per bend. The data are
-//! the whole shape, or as in [petit-2004] the Ferguson angles of three regions per bend with its amplitude held.
+//! Unknown are `ln α` per group of joints (lateral springs, shared by all bends) and the components of the load of every bend: one force
+//! along a line that geometry gives, three components for the estimated line and for other loads. The data are the whole shape, or as in
+//! [petit-2004] the Ferguson angles of three regions per bend with its amplitude held. Minimised is the sum of the squares of residuals in
+//! their standard deviations, of the prior and of the gauge.
 //!
 //! # Only ratios are identified
 //! Scaling every spring and every force by one number changes no shape, so a [`Gauge`] fixes the level.
 //!
 //! # Steps
 //! 1. [`evidence`]: rotation and lever arm of every joint are both measured on the film, which gives a start in closed
-//!    form, the joints that no positive stiffness can explain, and the line of best fit to the data ([`estimate`]).
+//!    form, the joints that no positive stiffness can explain, and the estimated line ([`estimate`]). The line of best fit
+//!    comes from the mixed model of the rotations (`mixed`).
 //! 2. Bounded Levenberg-Marquardt on analytic derivatives of the march, from that start and, where the fit does not
 //!    satisfy the data, from others in a fixed order.
 //!

@@ -50,6 +50,7 @@ mod proposed_line;
 mod stiffness;
 
 pub use equations::NoLoads;
+pub(crate) use line_test::CHI_SQUARED_95;
 pub use line_test::{Crossing, LineTest, SIGNIFICANCE};
 pub use loads::BestFitLoads;
 pub use proposed_line::ProposedLine;
