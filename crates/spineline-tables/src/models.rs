@@ -114,7 +114,7 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
     });
     add.text(
         "verdict",
-        "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified`, `disputed` (the multiplier lies outside of the interval of its joints) or `unknown`; empty where not requested",
+        "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified`, `disputed` (the multiplier differs from `mean_of_joints` by more than a factor of 1.5, and lies outside of its interval) or `unknown`; empty where not requested",
         |row| row.item.found.map(|found| found.verdict().key()),
     );
     add.number(

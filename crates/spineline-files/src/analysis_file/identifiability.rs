@@ -29,7 +29,8 @@ pub(super) struct IdentifiabilityRecord {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InformationRecord {
-    /// `interval`, `only_lower`, `only_upper`, `not_identified` or `unknown`, by `interval_95`; `disputed` where the multiplier lies outside of it.
+    /// `interval`, `only_lower`, `only_upper`, `not_identified` or `unknown`, by `interval_95`; `disputed` where the multiplier lies outside of it and differs from
+    /// `stiffness` by more than a factor of 1.5.
     verdict: String,
     /// Geometric mean of its joints' stiffness over the table's, by the mixed model; `null` where the joint rotations do not determine it.
     stiffness: Option<f64>,

@@ -114,14 +114,18 @@ impl MultiplierInformation {
         Some([end(lower, lower < least), end(upper, upper > most)])
     }
 
-    /// Whether the fitted multiplier lies outside of this interval: the fit gives all joints of a group one multiplier, the mixed model
-    /// does not. A multiplier at its bound agrees with an interval beyond it.
+    /// Whether the fitted multiplier lies outside of this interval, and differs from the mean by more than a factor of 1.5: the fit gives
+    /// all joints of a group one multiplier, the mixed model does not. A multiplier at its bound agrees with an interval beyond it.
     #[must_use]
     pub fn is_disputed(&self) -> bool {
+        /// Estimators that differ by less tell the same (assumption): multipliers of true lines differ by up to 1.2.
+        const SAME: f64 = 1.5;
         let [least, most] = MULTIPLIER_BOUNDS.map(f64::ln);
         self.stiffness.is_some_and(|stiffness| {
             let [lower, upper] = stiffness.log_interval_95();
-            self.log_multiplier < lower.min(most) || self.log_multiplier > upper.max(least)
+            let is_outside =
+                self.log_multiplier < lower.min(most) || self.log_multiplier > upper.max(least);
+            is_outside && (self.log_multiplier - stiffness.log_mean).abs() > SAME.ln()
         })
     }
 
@@ -185,7 +189,7 @@ named! {
         OnlyUpper = "only_upper" as "only an upper limit",
         /// Every stiffness within the bounds explains the films about as well.
         NotIdentified = "not_identified" as "not identified",
-        /// The fitted multiplier lies outside of the interval of its joints.
+        /// The fitted multiplier lies far outside of the interval of its joints.
         Disputed = "disputed" as "not identified: multiplier and joints differ",
         /// The fit of the joint rotations did not converge, or they do not determine the loads.
         Unknown = "unknown" as "unknown: no fit of the joint rotations",
@@ -461,5 +465,6 @@ mod tests {
         assert_eq!(of([1.26, 1.91], 3.76), IntervalVerdict::Disputed);
         assert_eq!(of([0.52, 2.66], 10.0), IntervalVerdict::Disputed);
         assert_eq!(of([12.0, 40.0], 3.0), IntervalVerdict::Disputed);
+        assert_eq!(of([1.66, 1.84], 1.62), IntervalVerdict::Interval);
     }
 }
