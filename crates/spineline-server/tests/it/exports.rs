@@ -135,7 +135,7 @@ fn the_menu_has_what_this_build_writes() {
         .collect();
     assert_eq!(names.contains(&"pdf"), cfg!(feature = "pdf"));
     assert!(names.contains(&"report") && names.contains(&"dicom_sr"), "{names:?}");
-    assert_eq!(menu["models"].as_array().expect("models").len(), 6);
+    assert_eq!(menu["models"].as_array().expect("models").len(), 7);
 }
 
 #[test]
