@@ -58,9 +58,10 @@ cargo xtask COMMAND
   notebooks
            run the notebooks and write them as pages with their pictures
   slicer   run the self-test of the module of 3D Slicer on Slicer's scene
-  wheel [--also INTERPRETER]
+  wheel [--also INTERPRETER] [--glibc VERSION]
            build the wheel of the Python package, with the program and the browser app inside; --also builds a second
-           one for an interpreter without the stable ABI, such as python3.14t
+           one for an interpreter without the stable ABI, such as python3.14t; --glibc 2.28 links with Zig for every Linux
+           with that C library or a later one
   attack   give the program damaged files, bombs, full disks, interruptions and kills
   certify [--full] [--since FOLDER]
            run the test of every claim and the comparisons with other programs, and write down how each ended, with the
@@ -89,8 +90,7 @@ fn main() -> ExitCode {
         },
         ("quick", []) => quick::run(&root, "HEAD"),
         ("quick", [option, base]) if option == "--base" => quick::run(&root, base),
-        ("wheel", []) => package::wheels(&root, &[]),
-        ("wheel", [option, other]) if option == "--also" => package::wheels(&root, &[other]),
+        ("wheel", _) => package::wheels(&root, &arguments),
         ("setup", []) => setup::setup(&root),
         ("docs", []) => book::make(&root),
         ("certify", _) => certify::certify(&root, &arguments),

@@ -29,9 +29,48 @@ pub fn environment(root: &Path) -> Result<PathBuf, String> {
 /// Builds the wheels for users: their program writes typeset reports and connects to encrypted archives.
 ///
 /// One serves every usual Python. An interpreter without the stable ABI, such as a free-threaded one, gets a
-/// separate wheel.
-pub fn wheels(root: &Path, others: &[&str]) -> Result<(), String> {
-    wheels_with(root, &["--features", "pdf,https"], others).map(|_| ())
+/// separate wheel. With a version of the C library they run on every Linux that has it or a later one.
+pub fn wheels(root: &Path, arguments: &[String]) -> Result<(), String> {
+    let (mut others, mut old) = (Vec::new(), None);
+    for pair in arguments.chunks(2) {
+        match pair {
+            [option, interpreter] if option == "--also" => {
+                others.push(interpreter_of(interpreter)?)
+            }
+            [option, version] if option == "--glibc" => old = Some(Zig::new(root, version)?),
+            _ => return Err("`cargo xtask` lists the options".to_owned()),
+        }
+    }
+    wheels_with(root, &["--features", "pdf,https"], &others, old.as_ref()).map(|_| ())
+}
+
+/// Zig as the linker: it knows all versions of the C library, so that no container with an old system is needed.
+struct Zig {
+    interpreter: PathBuf,
+    /// Such as `x86_64-unknown-linux-gnu`.
+    host: String,
+    /// Of the C library, such as `2.28`.
+    version: String,
+}
+
+impl Zig {
+    fn new(root: &Path, version: &str) -> Result<Self, String> {
+        let interpreter = python::environment(root, "zig", &root.join("packaging/zig.txt"))?;
+        let host = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
+        Ok(Self { interpreter, host, version: version.to_owned() })
+    }
+
+    /// The search path with its programs first.
+    fn path(&self) -> Result<String, String> {
+        let own = python::text(self.interpreter.parent().expect("an interpreter in a folder"))?;
+        Ok(format!("{own}:{}", std::env::var("PATH").unwrap_or_default()))
+    }
+
+    /// The options of maturin for the module.
+    fn of_module(&self) -> [String; 5] {
+        let tag = format!("manylinux_{}", self.version.replace('.', "_"));
+        ["--zig", "--target", &self.host, "--compatibility", &tag].map(str::to_owned)
+    }
 }
 
 /// An interpreter by its name on the path, or by its path from the folder of the caller: wheels are built in another
@@ -45,7 +84,12 @@ fn interpreter_of(given: &str) -> Result<String, String> {
 }
 
 /// Builds wheels: the browser app if Node is installed, the program with these features, then the native modules.
-fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<PathBuf>, String> {
+fn wheels_with(
+    root: &Path,
+    features: &[&str],
+    others: &[String],
+    zig: Option<&Zig>,
+) -> Result<Vec<PathBuf>, String> {
     let start = Instant::now();
     if Tool::Npm.is_there() {
         web::build(root)?;
@@ -54,19 +98,28 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     }
     let target = python::target()?;
     let flags = flags_without_places(root, &target)?;
-    let flags = [("CARGO_ENCODED_RUSTFLAGS", flags.as_str())];
-    let program = ["build", "--profile", PROFILE, "--locked", "--package", "spineline-cli"];
-    run(root, "cargo", &[&program[..], features].concat(), &flags)?;
+    let path = zig.map(Zig::path).transpose()?;
+    let mut variables = vec![("CARGO_ENCODED_RUSTFLAGS", flags.as_str())];
+    variables.extend(path.as_deref().map(|path| ("PATH", path)));
+    let command = if zig.is_some() { "zigbuild" } else { "build" };
+    let mut program = vec![command, "--profile", PROFILE, "--locked", "--package", "spineline-cli"];
+    program.extend(features);
+    let goal = zig.map(|zig| format!("{}.{}", zig.host, zig.version));
+    program.extend(goal.iter().flat_map(|goal| ["--target", goal]));
+    run(root, "cargo", &program, &variables)?;
     let scripts = root.join("python/spineline._native.data/scripts");
     let program = Path::new("spineline").with_extension(EXE_EXTENSION);
     fs::create_dir_all(&scripts).map_err(|error| format!("{}: {error}", scripts.display()))?;
-    let built = target.join(PROFILE);
+    let built = zig.map_or_else(|| target.clone(), |zig| target.join(&zig.host)).join(PROFILE);
     copy(&built.join(&program), &scripts.join(&program))?;
     let wheels = target.join("wheels");
     if wheels.exists() {
         fs::remove_dir_all(&wheels).map_err(|error| format!("{}: {error}", wheels.display()))?;
     }
-    let interpreter = python::text(&environment(root)?)?;
+    let interpreter = match zig {
+        Some(zig) => python::text(&zig.interpreter)?,
+        None => python::text(&environment(root)?)?,
+    };
     let notices = File::create(root.join("python/NOTICES.txt"))
         .map_err(|error| format!("python/NOTICES.txt: {error}"))?;
     let own = python::text(&scripts.join(&program))?;
@@ -74,9 +127,10 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     let (out, folder) = (python::text(&wheels)?, python::text(&target)?);
     let build = ["-m", "maturin", "build", "--profile", PROFILE, "--out", &out];
     let mut arguments = [&build[..], &["--interpreter", &interpreter]].concat();
-    let others = others.iter().map(|other| interpreter_of(other)).collect::<Result<Vec<_>, _>>()?;
     arguments.extend(others.iter().map(String::as_str));
-    let variables = [("CARGO_TARGET_DIR", folder.as_str()), flags[0]];
+    let of_module = zig.map(Zig::of_module);
+    arguments.extend(of_module.iter().flatten().map(String::as_str));
+    variables.push(("CARGO_TARGET_DIR", &folder));
     run(&root.join("python"), &interpreter, &arguments, &variables)?;
     let module = built.join(python::module_file());
     for file in [&scripts.join(&program), &module] {
@@ -169,7 +223,7 @@ fn pytest(
 /// Builds a wheel, installs it in a separate environment, and returns the interpreter. The wheel lacks the typesetter,
 /// which is most of a release build and is covered by other tests.
 pub fn with_wheel(root: &Path) -> Result<PathBuf, String> {
-    let wheels = wheels_with(root, &[], &[])?;
+    let wheels = wheels_with(root, &[], &[], None)?;
     let wheel = python::text(wheels.first().ok_or("no wheel was built")?)?;
     let requirements = root.join("python/tests/requirements.txt");
     let interpreter = python::environment(root, "wheel", &requirements)?;
