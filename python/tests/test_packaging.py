@@ -149,4 +149,4 @@ def test_every_action_is_pinned_and_the_release_is_checked_and_published() -> No
     runners = [one["runner"].split("-")[0] for one in jobs["build"]["strategy"]["matrix"]["include"]]
     assert {"ubuntu", "macos", "windows"} == set(runners)
     linux = [one for one in jobs["build"]["strategy"]["matrix"]["include"] if one["runner"].startswith("ubuntu")]
-    assert all("manylinux_2_28" in one["container"] for one in linux)
+    assert all(one["glibc"] == "--glibc 2.28" for one in linux)

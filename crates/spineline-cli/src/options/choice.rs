@@ -14,3 +14,18 @@ pub fn spelling(values: Vec<NamedValue>) -> PossibleValuesParser {
 pub fn choice<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
     spelling(named_values::<T>()).try_map(|text| named(&text))
 }
+
+#[cfg(test)]
+mod tests {
+    use spineline_phantom::Scenario;
+
+    use super::named;
+
+    #[test]
+    fn every_name_is_read_in_both_spellings() {
+        for scenario in Scenario::ALL {
+            assert_eq!(named(scenario.key()), Ok(scenario));
+            assert_eq!(named(&scenario.key().replace('-', "_")), Ok(scenario));
+        }
+    }
+}

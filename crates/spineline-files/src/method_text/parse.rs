@@ -34,7 +34,8 @@ pub fn posture(text: &str) -> Result<Posture, String> {
 /// # Errors
 /// If no value has this name; the message lists all names.
 pub fn named<T: Named>(text: &str) -> Result<T, String> {
-    text.replace('-', "_").parse().map_err(|_| {
+    let wanted = text.replace('_', "-");
+    T::ALL.iter().copied().find(|value| spelling(*value) == wanted).ok_or_else(|| {
         let known: Vec<String> = T::ALL.iter().map(|value| spelling(*value)).collect();
         format!("expected one of {}", known.join(", "))
     })
