@@ -36,12 +36,16 @@ fn found_words(found: &str) -> String {
         text if text.starts_with("string ") => text.replacen("string", "the text", 1),
         length if length.bytes().all(|byte| byte.is_ascii_digit()) => format!("{length} values"),
         other => {
-            number.into_iter().fold(other, |text, kind| text.trim_start_matches(kind)).to_owned()
+            number.iter().find_map(|kind| other.strip_prefix(kind)).unwrap_or(other).to_owned()
         }
     }
 }
 
 fn expected_words(expected: &str) -> String {
+    let mut lists = ["an array of length ", "a tuple of size "].into_iter();
+    if let Some(length) = lists.find_map(|kind| expected.strip_prefix(kind)) {
+        return format!("a list of {length}");
+    }
     let words = match expected {
         "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0",
         "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
@@ -51,22 +55,11 @@ fn expected_words(expected: &str) -> String {
         "a sequence" => "a list",
         "a map" => "an object",
         "variant identifier" | "string or map" => "a name",
-        other => {
-            let length = ["an array of length ", "a tuple of size "]
-                .into_iter()
-                .find_map(|kind| other.strip_prefix(kind));
-            return match length {
-                Some(length) => format!("a list of {length}"),
-                None if other.starts_with("enum ") => "a name".to_owned(),
-                None if ["struct ", "internally tagged enum "]
-                    .iter()
-                    .any(|kind| other.starts_with(kind)) =>
-                {
-                    "an object".to_owned()
-                }
-                None => other.to_owned(),
-            };
+        kind if kind.starts_with("enum ") => "a name",
+        kind if kind.starts_with("struct ") || kind.starts_with("internally tagged enum ") => {
+            "an object"
         }
+        other => other,
     };
     words.to_owned()
 }

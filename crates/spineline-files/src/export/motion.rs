@@ -32,10 +32,9 @@ pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &s
         let Ok(pose) = &film.pose else { continue };
         let vectors =
             [film.load.force_vector_n(), pose.point_mm / 1000.0].map(|v| osim::opensim(&v));
-        rows.push((
-            film.name(),
-            [pose.angles_rad.concat(), vectors.map(|v| v.as_slice().to_vec()).concat()].concat(),
-        ));
+        let mut row = pose.angles_rad.concat();
+        row.extend(vectors.iter().flatten());
+        rows.push((film.name(), row));
     }
     let mut lines = vec![
         "films".to_owned(),
