@@ -23,7 +23,7 @@ export function film(
     rows: 4000,
     pixel_aspect: 1,
     plane: "patient",
-    spacing_text: "0.143 mm × 0.143 mm, patient mm, by a ball (± 0.6 %)",
+    spacing_text: "0.143 × 0.143 mm (patient), by a ball (± 0.6 %)",
     patient_left: "image_right",
     inverted: false,
     checked: false,
@@ -138,12 +138,20 @@ export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
     film("u1", {
       posture: "erect",
       patient_left: "image_right",
-      spacing: { ...spacing, plane: "patient", text: "0.143 mm × 0.143 mm, by a ball (± 0.6 %)" },
+      spacing: {
+        ...spacing,
+        plane: "patient",
+        text: "0.143 × 0.143 mm (patient), by a ball (± 0.6 %)",
+      },
       is_synthetic: true,
     }),
     film("u2", {
       posture: "left_bending",
-      spacing: { ...spacing, plane: "detector", text: "0.143 mm × 0.143 mm, as the file says" },
+      spacing: {
+        ...spacing,
+        plane: "detector",
+        text: "0.143 × 0.143 mm (detector), as the file says",
+      },
       notices: [
         {
           severity: "warning",

@@ -186,7 +186,7 @@ export function modelView(): Api<"ModelView"> {
       "sagittal profile: template of 458 adolescents with scoliosis, kyphosis T5–T12 24.9°, lordosis L1–L5 46.4°; not measured on this patient",
     gauge_text:
       "only ratios are known: forces and stiffness are relative to the geometric mean of the multipliers",
-    length_unit: "patient mm",
+    length_unit: "mm (patient)",
     force_symbol: "rel. units",
     force_unit_text: "a relative force of 1, not 1 newton",
     bodies: LEVELS.map((level, i) => ({

@@ -128,7 +128,7 @@ test.describe("with films of one phantom", () => {
     await shot(page, "edit-film");
     await edit.getByRole("button", { name: "Change the film" }).click();
     await expect(edit).toBeHidden();
-    await expect(page.getByTestId("spacing")).toContainText("0.250 mm × 0.250 mm");
+    await expect(page.getByTestId("spacing")).toContainText("0.250 × 0.250 mm");
     await page.getByRole("link", { name: "Add films…" }).click();
     await expect(page.getByRole("heading", { name: "Add films to growing" })).toBeVisible();
     await expectAccessible(page);

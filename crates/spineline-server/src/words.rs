@@ -28,8 +28,7 @@ pub fn spacing_text(spacing: Option<Spacing>) -> String {
         );
     }
     let Spacing { column_mm, row_mm, plane, source, relative_sd } = spacing;
-    let mut text =
-        format!("{} mm × {} mm, {}", fixed(column_mm, 3), fixed(row_mm, 3), plane.unit());
+    let mut text = format!("{} × {} {}", fixed(column_mm, 3), fixed(row_mm, 3), plane.unit());
     if source != SpacingSource::Stated {
         text.push_str(&format!(", {source}"));
     }

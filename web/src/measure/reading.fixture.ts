@@ -22,7 +22,7 @@ export function reading(): ReadingView {
       is_lateral: false,
       patient_left: "image_left",
       plane: "patient",
-      spacing_text: "0.143 mm × 0.143 mm, patient mm",
+      spacing_text: "0.143 × 0.143 mm (patient)",
       inverted: false,
     },
     revision: 0,

@@ -14,13 +14,16 @@ const isNumber = (value: number | null | undefined): value is number =>
 export const fixed = (value: number | null | undefined, places: number): string =>
   isNumber(value) ? withMinus(value.toFixed(places)) : "–";
 
+/** The unit of lengths at the spine, as the library writes it. */
+export const PATIENT_MM = "mm (patient)";
+
 /** A written number with its unit: the patient's lengths are the usual ones, and a degree sign has no space. */
 export const withUnit = (number: string, unit: string): string =>
-  unit === "°" ? `${number}°` : `${number} ${unit === "patient mm" ? "mm" : unit}`;
+  unit === "°" ? `${number}°` : `${number} ${unit === PATIENT_MM ? "mm" : unit}`;
 
 /** The same below a scale bar, where the plane counts. */
 export const barText = (length_mm: number, unit: string): string =>
-  `${withUnit(String(length_mm), unit)}${unit === "patient mm" ? " at the spine" : ""}`;
+  `${withUnit(String(length_mm), unit)}${unit === PATIENT_MM ? " at the spine" : ""}`;
 
 /** A number with three digits, such as `−12.3`; `–` for a missing one. */
 export const threeDigits = (value: number | null | undefined): string =>

@@ -28,7 +28,7 @@ const SPACING = {
   column_mm: 0.143,
   row_mm: 0.143,
   plane: "detector",
-  text: "0.143 mm × 0.143 mm, detector mm",
+  text: "0.143 × 0.143 mm (detector)",
 } as const;
 
 describe("answers", () => {

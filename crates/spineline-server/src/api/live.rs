@@ -157,7 +157,7 @@ pub struct StudyFindings {
     pub rotations: Vec<RotationFinding>,
     /// Inflections of the erect curve as text.
     pub inflections_text: String,
-    /// Unit and plane of lengths, such as `patient mm`.
+    /// Unit and plane of lengths, such as `mm (patient)`.
     pub length_unit: String,
 }
 

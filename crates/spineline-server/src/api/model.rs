@@ -18,7 +18,7 @@ pub struct ModelView {
     pub gauge_text: String,
     /// Model options that differ from the defaults; absent where none does.
     pub options_text: Option<String>,
-    /// Unit and plane of lengths, such as `patient mm`.
+    /// Unit and plane of lengths, such as `mm (patient)`.
     pub length_unit: String,
     /// Sizes of the vertebral bodies, L4 to T2.
     pub bodies: Vec<BodySize>,

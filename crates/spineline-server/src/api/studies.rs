@@ -96,7 +96,7 @@ pub struct FilmSummary {
     pub plane: SpacingPlaneName,
     /// Distance between neighbouring rows in the film's plane; null where the scale is unknown.
     pub row_mm: Option<f64>,
-    /// Spacing and its source as text, such as `0.143 mm × 0.143 mm, patient mm, by a ball (± 0.6 %)`.
+    /// Spacing and its source as text, such as `0.143 × 0.143 mm (patient), by a ball (± 0.6 %)`.
     pub spacing_text: String,
     /// Side of the picture on which the patient's left is; of the lateral film, the patient's front.
     pub patient_left: ImageSideName,

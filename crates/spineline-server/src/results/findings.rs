@@ -9,7 +9,6 @@ use spineline::spatial::Angle;
 use spineline::warning::counted;
 
 use super::curves::size_of;
-use super::words::length_unit;
 use crate::api::{CurveAnglesFinding, CurveFinding, RotationFinding, StudyFindings, Wire};
 
 /// Maximum number of segments per posture in an answer.
@@ -23,7 +22,7 @@ pub fn of_study(analysis: &Analysis) -> StudyFindings {
         film_scales_text: analysis.film_scale_words(),
         rotations: analysis.movement.films.iter().filter_map(|p| rotation(analysis, p)).collect(),
         inflections_text: analysis.inflection_words(),
-        length_unit: length_unit(analysis.movement.scale()).to_owned(),
+        length_unit: analysis.movement.scale().plane.unit().to_owned(),
     }
 }
 

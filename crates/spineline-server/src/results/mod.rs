@@ -24,7 +24,6 @@ mod sections;
 mod simulated;
 mod study;
 mod summary;
-mod words;
 
 pub use summary::summary;
 

@@ -3,13 +3,12 @@
 use axum::extract::State;
 use spineline::analysis::{Analysis, Identification, LineModel, MultiplierVerdict};
 use spineline::anatomy::Level;
-use spineline::measure::{LengthScale, SpacingPlane};
+use spineline::measure::SpacingPlane;
 use spineline::personalize::FitStatus;
 
 use super::loads::RELATIVE_SYMBOL;
 use super::notices;
 use super::simulated::{deformed_shape, shape, simulated};
-use super::words::length_unit;
 use crate::access::open_result;
 use crate::api::{
     BodySize, Identified, JointView, LineModelView, MeasuredShape, ModelView, MultiplierView,
@@ -49,7 +48,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         profile_text: analysis.profile_words().to_owned(),
         gauge_text: analysis.gauge_words().to_owned(),
         options_text: result.options_text(),
-        length_unit: drawn_unit(movement.scale()).to_owned(),
+        length_unit: drawn_unit(movement.scale().plane).to_owned(),
         bodies: bodies(analysis),
         pitch_from: movement
             .levels()
@@ -79,10 +78,10 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
 }
 
 /// Unit of lengths in the scene: without a scale the spine is drawn with a typical length.
-const fn drawn_unit(scale: &LengthScale) -> &'static str {
-    match scale.plane {
+const fn drawn_unit(plane: SpacingPlane) -> &'static str {
+    match plane {
         SpacingPlane::Pixels => "mm, for a spine of typical length",
-        _ => length_unit(scale),
+        _ => plane.unit(),
     }
 }
 
