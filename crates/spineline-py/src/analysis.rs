@@ -91,8 +91,8 @@ impl Analysis {
         Patient {
             analysis: &self.analysis,
             subject: &self.case.subject,
-            identified: self.identified.as_deref(),
-            spread: None,
+            identifiability: self.identified.as_deref(),
+            uncertainty: None,
         }
     }
 

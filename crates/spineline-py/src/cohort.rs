@@ -244,8 +244,8 @@ fn parquet(
         .map(|found| Patient {
             analysis: &found.analysis,
             subject: &found.subject,
-            identified: None,
-            spread: found.spread.as_ref(),
+            identifiability: None,
+            uncertainty: found.spread.as_ref(),
         })
         .collect();
     let inputs: Vec<InputFile> = rows

@@ -137,8 +137,8 @@ impl Replicates {
         let patient = Patient {
             analysis: &of.analysis,
             subject: &of.case.subject,
-            identified: None,
-            spread: Some(&self.found),
+            identifiability: None,
+            uncertainty: Some(&self.found),
         };
         let table = tables(&[patient]).into_iter().find(|table| table.name == "uncertainty");
         let missing = || PyRuntimeError::new_err("a fault of the program: no table of uncertainty");

@@ -12,7 +12,7 @@ pub struct Patient<'a> {
     /// Data of the patient.
     pub subject: &'a Subject,
     /// Identifiability of every model's multipliers, in the order of the models, where requested.
-    pub identified: Option<&'a [Option<Identifiability>]>,
+    pub identifiability: Option<&'a [Option<Identifiability>]>,
     /// Monte Carlo replicates with perturbed landmarks, where requested.
-    pub spread: Option<&'a Uncertainty>,
+    pub uncertainty: Option<&'a Uncertainty>,
 }

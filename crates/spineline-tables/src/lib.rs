@@ -85,7 +85,7 @@ impl OptionalTables {
     #[must_use]
     pub fn of(patients: &[Patient<'_>]) -> Self {
         Self {
-            uncertainty: patients.iter().any(|patient| patient.spread.is_some()),
+            uncertainty: patients.iter().any(|patient| patient.uncertainty.is_some()),
             hypotheses: patients.iter().any(|p| !p.analysis.options.hypotheses.is_empty()),
             space: patients.iter().any(|patient| patient.analysis.movement.space.is_some()),
             axial: patients.iter().any(|patient| !patient.analysis.movement.axial.is_empty()),

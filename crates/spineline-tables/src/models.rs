@@ -76,7 +76,7 @@ pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<MultiplierRow<'_>> = Vec::new();
     for patient in patients {
         for (i, model) in patient.analysis.models.iter().enumerate() {
-            let identified = patient.identified.and_then(|all| all[i].as_ref());
+            let identified = patient.identifiability.and_then(|all| all[i].as_ref());
             rows.extend((0..model.groups.len()).map(|group| {
                 let found = identified.map(|identified| &identified.multipliers[group]);
                 patient.row(Multiplier { model, group, found })
@@ -262,7 +262,7 @@ pub(crate) fn lines(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
-    add.text("posture", "film", |row| row.item.simulation.posture.key());
+    add.text("posture", "film", |row| row.item.simulation.shape.posture.key());
     add.text("line", "line of action", |row| row.item.model.kind.key());
     add.truth(
         "fitted",
@@ -310,7 +310,7 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
         "film_scale",
         Unit::One,
         "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one",
-        |row| row.item.simulation.scale.factor,
+        |row| row.item.simulation.shape.scale.factor,
     );
     add.number(
         "film_scale_95_low",
@@ -324,7 +324,7 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
 }
 
 fn scale_end(row: &LineRow<'_>, end: usize) -> Option<f64> {
-    let scale = row.item.simulation.scale;
+    let scale = row.item.simulation.shape.scale;
     (scale.log_sd > 0.0).then(|| scale.interval_95()[end])
 }
 
@@ -335,7 +335,7 @@ fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
         "mean location error over the vertebrae above the base",
         |row| {
             let found = row.item.simulation;
-            found.is_usable().then(|| found.mean_location_error_mm())
+            found.is_usable().then(|| found.shape.mean_location_error_mm())
         },
     );
     let of_region = [
@@ -391,7 +391,7 @@ fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
     add.text("load_and_base", "name of the load, with the base where it is not fixed", |row| {
         row.item.fit.hypothesis.key()
     });
-    add.text("posture", "film", |row| row.item.prediction.posture.key());
+    add.text("posture", "film", |row| row.item.prediction.shape.posture.key());
     add.text(
         "role",
         "`fitted`, `held_out`, `left_out`, `left_out_with_prior`, `left_out_with_tilt` or `left_out_load_fitted`",
@@ -411,7 +411,7 @@ fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
         "mean_location_error",
         Unit::Millimetres,
         "mean location error over the vertebrae above the base",
-        |row| row.item.prediction.mean_location_error_mm(),
+        |row| row.item.prediction.shape.mean_location_error_mm(),
     );
     add.number(
         "mean_band_95_radius",

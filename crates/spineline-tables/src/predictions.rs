@@ -51,11 +51,16 @@ fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
         for (line, found) in compared.lines.iter().zip(&film.simulations) {
             let Some(found) = found else { continue };
             let band = bands.line(line.kind);
-            add(line.kind.key(), band, &found.locations, &found.location_errors_mm);
+            add(line.kind.key(), band, &found.shape.locations, &found.shape.location_errors_mm);
         }
         for found in &film.baselines {
             let band = bands.baseline(found.baseline);
-            add(found.baseline.key(), band, &found.locations, &found.location_errors_mm);
+            add(
+                found.baseline.key(),
+                band,
+                &found.shape.locations,
+                &found.shape.location_errors_mm,
+            );
         }
     }
     all

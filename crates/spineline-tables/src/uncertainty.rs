@@ -8,8 +8,9 @@ type SpreadRow<'a> = Row<'a, &'a QuantitySpread>;
 
 /// One row per patient and quantity of the Monte Carlo replicates.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
-    let rows =
-        rows(patients, |patient| patient.spread.into_iter().flat_map(|spread| &spread.quantities));
+    let rows = rows(patients, |patient| {
+        patient.uncertainty.into_iter().flat_map(|spread| &spread.quantities)
+    });
     let row = "patient × quantity, over Monte Carlo replicates with perturbed landmarks";
     keyed("uncertainty", row, &rows, |add| {
         which(add);

@@ -178,10 +178,10 @@ fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
         "simulated_y",
         Unit::Millimetres,
         "simulated midpoint, positive to the patient's left",
-        |row| simulation(row).map(|s| s.locations[row.item.index].y_mm),
+        |row| simulation(row).map(|s| s.shape.locations[row.item.index].y_mm),
     );
     add.number("simulated_z", Unit::Millimetres, "simulated midpoint, positive upwards", |row| {
-        simulation(row).map(|s| s.locations[row.item.index].z_mm)
+        simulation(row).map(|s| s.shape.locations[row.item.index].z_mm)
     });
     add.number(
         "simulated_tilt",
@@ -195,7 +195,7 @@ fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
         "location error: distance of the two midpoints (E_LOC); empty for the base, which is fixed, for interpolated vertebrae, and without a result",
         |row| {
                 let found = simulation(row).filter(|s| s.is_usable())?;
-                found.location_error_mm(row.item.measured().level)
+                found.shape.location_error_mm(row.item.measured().level)
             },
     );
 }

@@ -79,8 +79,8 @@ impl Confidence {
         Patient {
             analysis,
             subject: &case.subject,
-            identified: self.identifiability.as_deref(),
-            spread: self.uncertainty.as_ref(),
+            identifiability: self.identifiability.as_deref(),
+            uncertainty: self.uncertainty.as_ref(),
         }
     }
 

@@ -7,7 +7,7 @@ use spineline::analysis::{
 };
 use spineline::anatomy::{Levels, Posture};
 use spineline::cohort::{BaselineTest, BaselinesOverPatients};
-use spineline::evaluate::{Band, Baseline, BaselinePrediction, Simulation};
+use spineline::evaluate::{Band, Baseline, BaselinePrediction};
 use spineline::personalize::TestOutcome;
 
 use super::band::BandRecord;
@@ -183,7 +183,7 @@ impl ComparisonRecord {
 fn baselines_mm(found: &LinesCompared) -> BTreeMap<String, BTreeMap<String, f64>> {
     let by_role = |baseline| {
         let errors = FilmRole::ALL.into_iter().filter_map(|role| {
-            Some((role.key().to_owned(), found.baseline_errors(baseline, role)?.1))
+            Some((role.key().to_owned(), found.baseline_error_mm(baseline, role)?))
         });
         errors.collect()
     };
@@ -247,7 +247,7 @@ fn film(
     let of_baselines = bands.baselines.iter().map(|(one, band)| (one.key(), band));
     let band = |(key, band): (&str, &Band)| (key.to_owned(), BandRecord::new(band, levels));
     let location_mm = lines.iter().zip(&film.simulations).map(|(line, simulation)| {
-        let mm = simulation.as_ref().map(Simulation::mean_location_error_mm);
+        let mm = simulation.as_ref().map(|found| found.shape.mean_location_error_mm());
         (line.kind.key().to_owned(), mm)
     });
     FilmRecord {
@@ -263,8 +263,8 @@ fn baseline(found: &BaselinePrediction) -> (String, BaselineRecord) {
     let record = BaselineRecord {
         status: found.status.key().to_owned(),
         amount: found.amount,
-        scale: found.scale.into(),
-        location_mm: found.mean_location_error_mm(),
+        scale: found.shape.scale.into(),
+        location_mm: found.shape.mean_location_error_mm(),
     };
     (found.baseline.key().to_owned(), record)
 }

@@ -111,18 +111,18 @@ impl HypothesisRecord {
 impl PredictionRecord {
     fn new(prediction: &ShapePrediction) -> Self {
         Self {
-            posture: prediction.posture,
+            posture: prediction.shape.posture,
             role: prediction.role.key().to_owned(),
             components: prediction.components.clone(),
             base_deg: prediction.base.deg(),
-            mean_location_error_mm: prediction.mean_location_error_mm(),
-            location_errors_mm: prediction.location_errors_mm.clone(),
+            mean_location_error_mm: prediction.shape.mean_location_error_mm(),
+            location_errors_mm: prediction.shape.location_errors_mm.clone(),
             rotation_rms_deg: prediction.rotation_rms.deg(),
             joints_against: prediction.against.joints,
             joints_against_beyond_noise: prediction.against.beyond_noise,
             work_against: prediction.against.weight,
-            film_scale: Some(prediction.scale.into()),
-            locations_mm: prediction.locations.iter().map(|p| [p.y_mm, p.z_mm]).collect(),
+            film_scale: Some(prediction.shape.scale.into()),
+            locations_mm: prediction.shape.locations.iter().map(|p| [p.y_mm, p.z_mm]).collect(),
             tilts_deg: prediction.tilts.iter().map(|tilt| tilt.deg()).collect(),
             band_95: None,
         }

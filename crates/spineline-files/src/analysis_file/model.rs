@@ -144,7 +144,7 @@ impl ModelRecord {
             postures: m
                 .simulations
                 .iter()
-                .map(|s| (s.posture, simulation(s, analysis.movement.levels())))
+                .map(|s| (s.shape.posture, simulation(s, analysis.movement.levels())))
                 .collect(),
         }
     }
@@ -158,7 +158,7 @@ fn simulation(s: &Simulation, levels: Levels) -> SimulationRecord {
     SimulationRecord {
         fitted: s.fitted,
         status: s.status.key().to_owned(),
-        film_scale: Some(s.scale.into()),
+        film_scale: Some(s.shape.scale.into()),
         force_n: s.force_n,
         residual_deg: s.residual.tilt().map(Angle::deg),
         residual_mm: s.residual.distance_mm(),
@@ -175,10 +175,10 @@ fn simulation(s: &Simulation, levels: Levels) -> SimulationRecord {
             .collect(),
         ferguson_error_deg: s.is_usable().then(|| by_region(&s.ferguson_difference)),
         location_error_mm: s.is_usable().then(|| LocationErrorRecord {
-            mean: s.mean_location_error_mm(),
-            levels: by_level(s.location_errors_mm.iter().copied(), &s.compared),
+            mean: s.shape.mean_location_error_mm(),
+            levels: by_level(s.shape.location_errors_mm.iter().copied(), &s.shape.compared),
         }),
-        simulated_mm: by_level(s.locations.iter().map(|&p| point(p)), levels.as_slice()),
+        simulated_mm: by_level(s.shape.locations.iter().map(|&p| point(p)), levels.as_slice()),
         contradicted_joints: s.contradicted.iter().map(contradicted).collect(),
     }
 }

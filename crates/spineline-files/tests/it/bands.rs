@@ -58,7 +58,7 @@ fn add(coverages: &mut Coverages, analysis: &Analysis) {
         for (line, found) in analysis.comparison().lines.iter().zip(&film.simulations) {
             let Some((found, band)) = found.as_ref().zip(bands.line(line.kind)) else { continue };
             let coverage = coverages.entry(name(line.kind.key())).or_default();
-            of_locations(coverage, band, outline, &found.location_errors_mm);
+            of_locations(coverage, band, outline, &found.shape.location_errors_mm);
             for (i, bounds) in movement.regions.bounds.iter().enumerate() {
                 let error = found.ferguson_difference[i].abs();
                 coverage.ferguson.add(error <= band.ferguson[i]);
@@ -71,7 +71,7 @@ fn add(coverages: &mut Coverages, analysis: &Analysis) {
         for found in &film.baselines {
             let Some(band) = bands.baseline(found.baseline) else { continue };
             let coverage = coverages.entry(name(found.baseline.key())).or_default();
-            of_locations(coverage, band, outline, &found.location_errors_mm);
+            of_locations(coverage, band, outline, &found.shape.location_errors_mm);
         }
     }
 }

@@ -314,7 +314,7 @@ fn a_stored_model_gives_the_shapes_of_the_analysis() {
             let mut solution = Solution::default();
             let line = Load::along(simulation.line, simulation.depth_mm);
             statics.solve(&line, &[load.force_n], &[], &mut solution);
-            for (i, place) in simulation.locations.iter().enumerate() {
+            for (i, place) in simulation.shape.locations.iter().enumerate() {
                 // The axes of a vertebra pass through decimal text and back without loss; so do the places.
                 assert!(
                     solution.deformed.location(i).distance_mm(*place) < 1e-8,

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, LinesCompared, analyze};
 use spineline::cohort::{Cohort, CohortPatient, learn_rotation_prior};
-use spineline::evaluate::{Baseline, Simulation};
+use spineline::evaluate::{Baseline, statistics};
 use spineline_files::parse_case;
 
 /// Differences from `validation/lines.md` and `docs/decisions/0034` that are worth a correction there.
@@ -28,18 +28,18 @@ fn analyzed(case: &Case, options: &AnalysisOptions) -> Analysis {
 }
 
 fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.into_iter().collect();
-    values.iter().sum::<f64>() / values.len() as f64
+    statistics::mean(values).expect("predicted bends")
 }
 
 /// Mean error of a line on the left-out bends of a patient that it predicts; `None` without one.
 fn line_error_mm(compared: &LinesCompared, kind: LineKind) -> Option<f64> {
     let place = compared.lines.iter().position(|line| line.kind == kind)?;
     let films = compared.films.iter().filter(|film| film.role == FilmRole::LeftOutBend);
-    let found: Vec<f64> = films
-        .filter_map(|film| film.simulations[place].as_ref().map(Simulation::mean_location_error_mm))
-        .collect();
-    (!found.is_empty()).then(|| mean(found))
+    statistics::mean(
+        films.filter_map(|film| {
+            Some(film.simulations[place].as_ref()?.shape.mean_location_error_mm())
+        }),
+    )
 }
 
 #[test]
@@ -100,9 +100,9 @@ fn rotations_of_half_of_the_patients_predict_the_others_better_than_lines_do() {
             let films = found.films.iter().filter(|film| film.role == FilmRole::LeftOutBend);
             let both: Vec<[f64; 2]> = films
                 .filter_map(|film| {
-                    let line = film.simulations[place].as_ref()?.mean_location_error_mm();
+                    let line = film.simulations[place].as_ref()?.shape.mean_location_error_mm();
                     let without = film.baseline(Baseline::RotationPriorWithTilt)?;
-                    Some([line, without.mean_location_error_mm()])
+                    Some([line, without.shape.mean_location_error_mm()])
                 })
                 .collect();
             let both_means = [0, 1].map(|i| mean(both.iter().map(|pair| pair[i])));
@@ -127,7 +127,7 @@ fn rotations_of_half_of_the_patients_predict_the_others_better_than_lines_do() {
     assert!(lines > 0, "no line predicts a bend");
     let all = compared.iter().flat_map(|found| &found.films);
     let all = all.filter_map(|film| film.baseline(Baseline::RotationPriorWithTilt));
-    let mm = mean(all.map(|found| found.mean_location_error_mm()));
+    let mm = mean(all.map(|found| found.shape.mean_location_error_mm()));
     println!("without mechanics, on {} unseen patients: {mm:.2} mm", unseen.len());
     assert!(mm < 2.5, "{mm}");
 }

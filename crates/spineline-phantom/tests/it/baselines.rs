@@ -49,7 +49,9 @@ fn a_patient_is_predicted_from_the_other_patients_alone() {
             let predicted = |&film: &Posture| {
                 let film = &own.movement.film(film).expect("a film").outline;
                 let erect = &own.movement.erect().outline;
-                predict_baseline(Baseline::OtherPatients, &pattern, erect, film).location_errors_mm
+                predict_baseline(Baseline::OtherPatients, &pattern, erect, film)
+                    .shape
+                    .location_errors_mm
             };
             Summary::of(&films.iter().flat_map(predicted).collect::<Vec<f64>>())
         });
@@ -114,12 +116,12 @@ fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
             let (mut of_load, mut without) = (Vec::new(), Vec::new());
             for film in compared.films.iter().filter(|film| film.role == FilmRole::LeftOutBend) {
                 let mut predictions = fit.expect("it was asked for").of_role(role);
-                let prediction = predictions.find(|one| one.posture == film.posture);
+                let prediction = predictions.find(|one| one.shape.posture == film.posture);
                 let (Some(load), Some(pattern)) = (prediction, film.baseline(baseline)) else {
                     continue;
                 };
-                of_load.extend_from_slice(&load.location_errors_mm);
-                without.extend_from_slice(&pattern.location_errors_mm);
+                of_load.extend_from_slice(&load.shape.location_errors_mm);
+                without.extend_from_slice(&pattern.shape.location_errors_mm);
             }
             differences.push(mean(&of_load) - mean(&without));
         }

@@ -146,7 +146,7 @@ fn a_free_base_recovers_the_rotation_of_the_base() {
     };
     let analysis = analyze(&turned.case, &options).expect("a sound case");
     for prediction in analysis.hypotheses[0].of_role(Role::Fitted) {
-        let truth = turned.posture(prediction.posture).expect("it was filmed");
+        let truth = turned.posture(prediction.shape.posture).expect("it was filmed");
         let turn = truth.base_turn;
         // Readers are exact; the rest is from 14 joints instead of 998 segments.
         assert!((prediction.base - turn).abs().deg() < 1.0, "{} {}", prediction.base, turn);

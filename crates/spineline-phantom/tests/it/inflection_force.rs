@@ -173,7 +173,7 @@ fn cell(analysis: &Analysis, kind: LineKind, role: FilmRole) -> String {
     };
     let films = compared.films.iter().filter(|film| film.role == role);
     let errors: Vec<f64> = films
-        .filter_map(|film| Some(film.simulations[place].as_ref()?.mean_location_error_mm()))
+        .filter_map(|film| Some(film.simulations[place].as_ref()?.shape.mean_location_error_mm()))
         .collect();
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     if errors.is_empty() { "none".to_owned() } else { format!("{mean:.2} ({})", errors.len()) }

@@ -177,7 +177,7 @@ fn no_line_is_said_to_predict_beyond_the_limit() {
     assert!(!says(&found, "No line predicts"), "{:?}", found.sentences());
     for film in &mut found.films {
         for simulation in film.simulations.iter_mut().flatten() {
-            simulation.location_errors_mm.fill(19.9);
+            simulation.shape.location_errors_mm.fill(19.9);
         }
     }
     assert!(!found.ranking().expect("lines").is_prediction());

@@ -45,7 +45,7 @@ fn error_mm(model: &LineModel, posture: Posture) -> f64 {
     model
         .simulation(posture)
         .filter(|simulation| simulation.is_usable())
-        .map_or(f64::INFINITY, |simulation| simulation.mean_location_error_mm())
+        .map_or(f64::INFINITY, |simulation| simulation.shape.mean_location_error_mm())
 }
 
 /// Collects errors, so that one run reports all subjects.

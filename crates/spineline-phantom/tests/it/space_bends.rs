@@ -134,7 +134,7 @@ fn found(phantom: &BentPhantom, way: &Way) -> Vec<Found> {
             .find(|film| film.posture == posture && film.role == FilmRole::LeftOutBend);
         let left_out_mm = [LineKind::Iliac, LineKind::Estimated].map(|kind| {
             let place = compared.lines.iter().position(|line| line.kind == kind)?;
-            Some(film?.simulations[place].as_ref()?.mean_location_error_mm())
+            Some(film?.simulations[place].as_ref()?.shape.mean_location_error_mm())
         });
         let both = in_g(phantom, &analysis, posture).zip(
             analysis.movement.film(posture).and_then(|posture| posture.best_fit_line.as_ref()),

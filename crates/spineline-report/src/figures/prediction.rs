@@ -58,20 +58,20 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         panel.heading(HeadingKind::Title, film.posture.to_string());
         let simulation = film.simulations[line].as_ref()?;
         let without = baseline.and_then(|one| film.baseline(one));
-        let mm = format!("{kind} {} mm", fixed(simulation.mean_location_error_mm(), 1));
+        let mm = format!("{kind} {} mm", fixed(simulation.shape.mean_location_error_mm(), 1));
         panel.heading(HeadingKind::Plain, mm);
         if let Some(band) = bands.line(kind) {
             let radius = format!("95 % band ± {} mm", fixed(band.mean_radius_mm(), 1));
             panel.heading(HeadingKind::Plain, radius);
-            panel.area(SKY, BAND_OPACITY, outline(&simulation.locations, band));
+            panel.area(SKY, BAND_OPACITY, outline(&simulation.shape.locations, band));
         }
         let points = measured(film);
         panel.end_levels(&points, analysis.movement.levels());
         panel.spine(&points, MEASURED.0, Marker { radius_px: 4.4, ..MEASURED.1 });
         if let Some(without) = without {
-            panel.spine(&without.locations, dotted, Marker { radius_px: 0.1, ..filled });
+            panel.spine(&without.shape.locations, dotted, Marker { radius_px: 0.1, ..filled });
         }
-        panel.spine(&simulation.locations, ink, filled);
+        panel.spine(&simulation.shape.locations, ink, filled);
         panels.push(panel);
     }
     page.rows.push(panels);

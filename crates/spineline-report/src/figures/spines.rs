@@ -59,7 +59,7 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
         // The simulated spine above the measured one, smaller, so that both are seen where they agree.
         let marker = Marker { radius_px: 5.0, ..MEASURED.1 };
         panel.spine(&measured, MEASURED.0, marker);
-        panel.spine(&simulation.locations, solid, Marker { radius_px: 2.8, ..filled });
+        panel.spine(&simulation.shape.locations, solid, Marker { radius_px: 2.8, ..filled });
         panels.push(panel);
     }
     let sample = Sample::Stroke(Ink::new(BLACK, "7 4", 1.0), None);
@@ -72,7 +72,7 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
 fn head(panel: &mut Panel, kind: LineKind, simulation: &Simulation, alarm: bool) {
     let fitted = if simulation.fitted { "fitted" } else { "held out" };
     panel.heading(HeadingKind::Title, format!("{kind} ({fitted})"));
-    let error = simulation.mean_location_error_mm();
+    let error = simulation.shape.mean_location_error_mm();
     panel.heading(HeadingKind::Plain, format!("mean location error {} mm", fixed(error, 2)));
     if !simulation.is_usable() {
         let words = format!("not a result ({})", simulation.status.key());
@@ -90,7 +90,7 @@ fn extent_of<'a>(
     let mut extent = Extent::of(measured.iter().copied());
     let around = extent.grown([60.0; 2]);
     for simulation in simulations {
-        let simulated = Extent::of(simulation.locations.iter().copied());
+        let simulated = Extent::of(simulation.shape.locations.iter().copied());
         let seen = if simulation.is_usable() { simulated } else { simulated.common(around) };
         extent = extent.union(seen);
     }

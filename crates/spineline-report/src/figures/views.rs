@@ -145,7 +145,7 @@ fn shapes(analysis: &Analysis) -> Vec<Shape> {
         vec![Shape { name: "erect".to_owned(), ink: ERECT, lines: outlines(&erect, &sizes) }];
     let Some(model) = analysis.models.first() else { return all };
     for simulation in model.simulations.iter().filter(|simulation| simulation.is_usable()) {
-        let posture = simulation.posture;
+        let posture = simulation.shape.posture;
         let shape = simulated(analysis, model, posture);
         all.extend(shape.map(|shape| Shape {
             name: format!("{posture}, {}", model.kind),

@@ -243,14 +243,14 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
         for s in model.simulations.iter().filter(|s| s.fitted == fitted) {
             let angles = s.ferguson_difference.iter().map(|a| fixed(a.abs().deg(), 1));
             let angles = angles.collect::<Vec<_>>().join(" / ");
-            let largest = s.location_errors_mm.iter().copied().fold(0.0, f64::max);
+            let largest = s.shape.location_errors_mm.iter().copied().fold(0.0, f64::max);
             let status = s.status.key().replace('_', " ");
             let or_status = |value: String| if s.is_usable() { value } else { status.clone() };
             let or_none = |value: String| if s.is_usable() { value } else { none() };
             table.row(vec![
                 model.kind.to_string(),
-                s.posture.to_string(),
-                or_status(fixed(s.mean_location_error_mm(), 2)),
+                s.shape.posture.to_string(),
+                or_status(fixed(s.shape.mean_location_error_mm(), 2)),
                 or_none(fixed(largest, 2)),
                 or_none(angles),
                 or_none(fixed(s.force_n, 0)),
@@ -322,12 +322,12 @@ pub fn by_line(analysis: &Analysis) -> Table {
             ]);
         }
         for baseline in Baseline::ALL {
-            let Some((films, mm)) = found.baseline_errors(baseline, role) else { continue };
+            let Some(mm) = found.baseline_error_mm(baseline, role) else { continue };
             table.row(vec![
                 role.to_string(),
                 baseline.to_string(),
                 "without mechanics".to_owned(),
-                format!("{films} of {all}"),
+                format!("{} of {all}", found.baseline_films(baseline, role)),
                 fixed(mm, 2),
                 radius(bands.mean_of_baseline(baseline, role)),
                 none(),

@@ -184,7 +184,7 @@ fn table(analysis: &Analysis) -> Table {
         table.row(row);
     }
     for baseline in Baseline::ALL {
-        let errors = roles.map(|role| Some(compared.baseline_errors(baseline, role)?.1));
+        let errors = roles.map(|role| compared.baseline_error_mm(baseline, role));
         if errors.iter().all(Option::is_none) {
             continue;
         }

@@ -221,7 +221,7 @@ fn a_shape_without_its_force_is_not_shown_as_a_result() {
     let posture = Posture::LeftBending;
     let set = |simulation: &mut Simulation, status| simulation.status = status;
     for model in &mut analysis.models {
-        for simulation in model.simulations.iter_mut().filter(|s| s.posture == posture) {
+        for simulation in model.simulations.iter_mut().filter(|s| s.shape.posture == posture) {
             set(simulation, PathEnding::Converged);
         }
     }
@@ -230,7 +230,7 @@ fn a_shape_without_its_force_is_not_shown_as_a_result() {
     for simulation in &mut analysis.models[0].simulations {
         set(simulation, PathEnding::Unreachable);
         // A wild shape may not spoil the scale either.
-        for location in &mut simulation.locations {
+        for location in &mut simulation.shape.locations {
             *location = *location * 5.0;
         }
     }

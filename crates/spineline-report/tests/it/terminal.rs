@@ -130,19 +130,19 @@ fn every_error_force_and_multiplier_is_shown() {
     assert_eq!(analysis.models.len(), 3);
     for model in &analysis.models {
         for s in model.simulations.iter().filter(|s| s.is_usable()) {
-            let largest = s.location_errors_mm.iter().copied().fold(0.0, f64::max);
+            let largest = s.shape.location_errors_mm.iter().copied().fold(0.0, f64::max);
             let angles: Vec<String> =
                 s.ferguson_difference.iter().map(|a| fixed(a.abs().deg(), 1)).collect();
             holds(
                 &text,
                 &[
                     model.kind.to_string(),
-                    s.posture.to_string(),
-                    fixed(s.mean_location_error_mm(), 2),
+                    s.shape.posture.to_string(),
+                    fixed(s.shape.mean_location_error_mm(), 2),
                     fixed(largest, 2),
                     angles.join(" / "),
                     fixed(s.force_n, 0),
-                    format!("{} of {}", s.contradicted.len(), s.location_errors_mm.len()),
+                    format!("{} of {}", s.contradicted.len(), s.shape.location_errors_mm.len()),
                 ],
             );
         }

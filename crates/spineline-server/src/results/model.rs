@@ -144,7 +144,7 @@ fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
     let turns = |s: &&spineline::evaluate::Simulation| {
         s.contradicted.iter().any(|joint| joint.inferior == inferior)
     };
-    model.simulations.iter().filter(turns).map(|s| Wire(s.posture)).collect()
+    model.simulations.iter().filter(turns).map(|s| Wire(s.shape.posture)).collect()
 }
 
 /// The notices of a study, with a warning if its lengths are typical and not measured.

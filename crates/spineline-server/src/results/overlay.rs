@@ -139,7 +139,7 @@ impl Drawing<'_> {
                 let films = if simulation.fitted { "fitted" } else { "held out" };
                 format!(
                     "{films}, {} mm mean location error",
-                    fixed(simulation.mean_location_error_mm(), 1)
+                    fixed(simulation.shape.mean_location_error_mm(), 1)
                 )
             } else {
                 format!("{}: no result", simulation.status.key().replace('_', " "))

@@ -3,7 +3,7 @@
 use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
-use spineline::evaluate::Simulation;
+use spineline::evaluate::{FilmShape, Simulation};
 use spineline::multibody::{Deformed, PathEnding, Residual, SpineModel};
 use spineline::number::fixed;
 use spineline::personalize::evidence::ContradictedJoint;
@@ -35,14 +35,14 @@ pub fn simulated(
     model: &LineModel,
     simulation: &Simulation,
 ) -> SimulatedPosture {
-    let path = analysis.force_shapes(model, simulation.posture, &PARTS).unwrap_or_default();
+    let path = analysis.force_shapes(model, simulation.shape.posture, &PARTS).unwrap_or_default();
     let line = &simulation.line;
     let sign = if simulation.force_n < 0.0 { -1.0 } else { 1.0 };
     let fixed = [simulation.depth_mm, line.point.y_mm, line.point.z_mm];
     let top = path.last().and_then(|shape| shape.midpoints_mm.last());
     let usable = simulation.is_usable();
     SimulatedPosture {
-        posture: Wire(simulation.posture),
+        posture: Wire(simulation.shape.posture),
         fitted: simulation.fitted,
         converged: usable,
         status_text: status_text(simulation, analysis.movement.levels().top()),
@@ -53,15 +53,16 @@ pub fn simulated(
         },
         line_direction: [0.0, sign * line.direction.y_mm, sign * line.direction.z_mm],
         path: path.iter().map(|part| deformed_shape(&analysis.movement.spine, part)).collect(),
-        errors: simulation
-            .compared
-            .iter()
-            .zip(&simulation.location_errors_mm)
-            .map(|(level, &error_mm)| LevelError { level: level.to_string(), error_mm })
-            .collect(),
-        mean_error_mm: usable.then(|| simulation.mean_location_error_mm()),
+        errors: errors_by_level(&simulation.shape),
+        mean_error_mm: usable.then(|| simulation.shape.mean_location_error_mm()),
         contradictions: simulation.contradicted.iter().map(contradiction_text).collect(),
     }
+}
+
+/// The location error of every vertebra above the base that the film shows.
+pub fn errors_by_level(shape: &FilmShape) -> Vec<LevelError> {
+    let errors = shape.compared.iter().zip(&shape.location_errors_mm);
+    errors.map(|(level, &error_mm)| LevelError { level: level.to_string(), error_mm }).collect()
 }
 
 fn status_text(simulation: &Simulation, top: Level) -> String {

@@ -92,15 +92,15 @@ fn vertebrae_under_every_line() {
             }
             for model in &analysis.models {
                 let found = model.simulation(film).expect("every model has every film");
-                let error = found.location_error_mm(vertebra.level);
+                let error = found.shape.location_error_mm(vertebra.level);
                 let error = error.filter(|_| found.is_usable()).map(|error| format!("{error:.4}"));
                 let expected = format!(
                     "{measured},{},{},{},{:.4},{:.4},{:.4},{},patient,false,",
                     model.kind.key(),
                     found.fitted,
                     found.status.key(),
-                    found.locations[i].y_mm,
-                    found.locations[i].z_mm,
+                    found.shape.locations[i].y_mm,
+                    found.shape.locations[i].z_mm,
                     found.tilts[i].deg(),
                     error.unwrap_or_default()
                 );

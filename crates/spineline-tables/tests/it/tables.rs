@@ -36,8 +36,8 @@ fn everything(case: &Case) -> Vec<Table> {
     tables(&[Patient {
         analysis: &analysis,
         subject: &case.subject,
-        identified: Some(&identified),
-        spread: Some(&spread),
+        identifiability: Some(&identified),
+        uncertainty: Some(&spread),
     }])
 }
 
@@ -78,8 +78,8 @@ fn rows_equal_the_analysis() {
         let level: Level = keys[2][row].parse().expect("a vertebra");
         let index = level.model_index().expect("of the model");
         let expected = model.and_then(|model| model.simulation(posture)).filter(|s| s.is_usable());
-        let expected =
-            expected.and_then(|s| index.checked_sub(1).map(|above| s.location_errors_mm[above]));
+        let expected = expected
+            .and_then(|s| index.checked_sub(1).map(|above| s.shape.location_errors_mm[above]));
         assert_eq!(errors[row], expected, "{posture} {level}");
     }
     let clinical = table(&all, "clinical");
@@ -106,8 +106,12 @@ fn a_lateral_film_adds_the_vertebrae_in_space() {
     let setup = SpaceSetup { pedicles: true, ..SpaceSetup::default() };
     let case = generate_in_space(&setup).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let patient =
-        Patient { analysis: &analysis, subject: &case.subject, identified: None, spread: None };
+    let patient = Patient {
+        analysis: &analysis,
+        subject: &case.subject,
+        identifiability: None,
+        uncertainty: None,
+    };
     let all = tables(&[patient]);
     let vertebrae = table(&all, "space_vertebrae");
     assert_eq!(vertebrae.rows(), Level::ALL.len());
@@ -152,7 +156,12 @@ fn a_vertebra_has_the_origin_of_its_corners() {
     }
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let subject = &case.subject;
-    let all = tables(&[Patient { analysis: &analysis, subject, identified: None, spread: None }]);
+    let all = tables(&[Patient {
+        analysis: &analysis,
+        subject,
+        identifiability: None,
+        uncertainty: None,
+    }]);
     let vertebrae = table(&all, "vertebrae");
     let origins = texts(vertebrae, "origin");
     let levels = texts(vertebrae, "level");
@@ -279,8 +288,8 @@ fn commas_quotes_and_other_scripts_round_trip() {
     let all = tables(&[Patient {
         analysis: &analysis,
         subject: &case.subject,
-        identified: None,
-        spread: None,
+        identifiability: None,
+        uncertainty: None,
     }]);
     let text = all[0].to_csv().expect("text");
     let mut csv = csv::Reader::from_reader(text.as_bytes());

@@ -2,6 +2,7 @@
 
 use super::comparison::FilmRole;
 use crate::action::LineKind;
+use crate::evaluate::statistics::mean;
 use crate::evaluate::{Band, Baseline};
 
 /// The bands of a film, by method.
@@ -42,8 +43,7 @@ impl Bands {
 
     fn mean_mm(&self, role: FilmRole, band: impl Fn(&FilmBands) -> Option<&Band>) -> Option<f64> {
         let films = self.films.iter().filter(|film| film.role == role);
-        let radii: Vec<f64> = films.filter_map(band).map(Band::mean_radius_mm).collect();
-        (!radii.is_empty()).then(|| radii.iter().sum::<f64>() / radii.len() as f64)
+        mean(films.filter_map(band).map(Band::mean_radius_mm))
     }
 }
 

@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 use super::LineModel;
 use crate::action::LineKind;
 use crate::anatomy::Posture;
+use crate::evaluate::statistics::mean;
 use crate::evaluate::{Baseline, BaselinePrediction, Simulation};
 use crate::personalize::{FitTarget, Gauge};
 
@@ -105,8 +106,10 @@ impl ComparedFilm {
     /// Location errors in mm of a predictor of the film; `None` without a result.
     fn errors_mm(&self, by: Predictor) -> Option<&[f64]> {
         match by {
-            Predictor::Line(line) => Some(&self.simulations[line].as_ref()?.location_errors_mm),
-            Predictor::Baseline(one) => Some(&self.baseline(one)?.location_errors_mm),
+            Predictor::Line(line) => {
+                Some(&self.simulations[line].as_ref()?.shape.location_errors_mm)
+            }
+            Predictor::Baseline(one) => Some(&self.baseline(one)?.shape.location_errors_mm),
         }
     }
 }
@@ -203,22 +206,25 @@ impl LinesCompared {
     pub fn errors(&self, line: usize, role: FilmRole) -> Option<MeanErrors> {
         let found: Vec<&Simulation> =
             self.of_role(role).filter_map(|(_, film)| film.simulations[line].as_ref()).collect();
-        let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
-        let mm = found.iter().flat_map(|s| s.location_errors_mm.iter().copied()).collect();
-        let deg = found.iter().flat_map(|s| ferguson_errors_deg(s)).collect();
-        (!found.is_empty()).then(|| MeanErrors {
+        let mm = found.iter().flat_map(|s| s.shape.location_errors_mm.iter().copied());
+        Some(MeanErrors {
             films: found.len(),
-            location_mm: mean(mm),
-            ferguson_deg: mean(deg),
+            location_mm: mean(mm)?,
+            ferguson_deg: mean(found.iter().flat_map(|s| ferguson_errors_deg(s)))?,
         })
     }
 
-    /// Films of a role that a baseline predicts, and the mean location error of their vertebrae in mm.
+    /// Number of films of a role that a baseline predicts.
     #[must_use]
-    pub fn baseline_errors(&self, baseline: Baseline, role: FilmRole) -> Option<(usize, f64)> {
+    pub fn baseline_films(&self, baseline: Baseline, role: FilmRole) -> usize {
+        self.predicted(Predictor::Baseline(baseline), role).len()
+    }
+
+    /// Mean location error of a baseline over all vertebrae of the films of a role that it predicts; `None` without such a film.
+    #[must_use]
+    pub fn baseline_error_mm(&self, baseline: Baseline, role: FilmRole) -> Option<f64> {
         let by = Predictor::Baseline(baseline);
-        let films = self.predicted(by, role);
-        Some((films.len(), self.mean_mm(by, &films)?))
+        self.mean_mm(by, &self.predicted(by, role))
     }
 
     /// Places of the films of a role that have a prediction.
@@ -231,8 +237,7 @@ impl LinesCompared {
     fn mean_mm(&self, by: Predictor, films: &[usize]) -> Option<f64> {
         let errors: Option<Vec<&[f64]>> =
             films.iter().map(|&film| self.films[film].errors_mm(by)).collect();
-        let errors = errors?.concat();
-        (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
+        mean(errors?.concat())
     }
 
     /// The lines that take fewest numbers from a predicted film, by their mean location error on the same films: bends that were left out,

@@ -95,20 +95,21 @@ impl Analysis {
     /// ([`crate::personalize::BestFitLoads`]).
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
-        let films = || model.simulations.iter().filter(|s| s.fitted && s.posture.bend().is_some());
+        let films =
+            || model.simulations.iter().filter(|s| s.fitted && s.shape.posture.bend().is_some());
         let mut bends: Vec<BendEvidence> = films()
             .filter(|s| s.is_usable())
             .map(|s| {
                 let beyond_noise = s.contradicted.iter().filter(|j| j.beyond_noise).count();
                 let joints = s.joints();
-                let film = self.movement.film(s.posture);
+                let film = self.movement.film(s.shape.posture);
                 let line_test = film.and_then(|film| film.line_comparison(model.kind));
                 let has_place = |film: &&FilmMovement| {
                     model.kind != LineKind::Iliac || film.outline.iliac_normal.is_some()
                 };
                 let tested = film.filter(has_place).and_then(|film| film.evidence.as_ref());
                 BendEvidence {
-                    posture: s.posture,
+                    posture: s.shape.posture,
                     joints,
                     against: s.contradicted.len(),
                     beyond_noise,
@@ -128,7 +129,7 @@ impl Analysis {
         for (p, adjusted) in all.iter_mut().zip(&adjusted) {
             **p = *adjusted;
         }
-        let without_force = films().filter(|s| !s.is_usable()).map(|s| s.posture).collect();
+        let without_force = films().filter(|s| !s.is_usable()).map(|s| s.shape.posture).collect();
         Compatibility { bends, without_force, tests: adjusted.len() }
     }
 }

@@ -1,3 +1,5 @@
+//! Warnings about how fits and simulations of a line ended.
+
 use super::compatibility::against_by_chance;
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
@@ -24,7 +26,7 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
         warn(WarningCode::FitNotConverged, None, text);
     }
     for simulation in &model.simulations {
-        let posture = Some(simulation.posture);
+        let posture = Some(simulation.shape.posture);
         if simulation.status == PathEnding::BeyondHumanRange {
             let text = format!(
                 "the simulated shape {}: check the landmarks and the amplitude of this film",
@@ -89,6 +91,6 @@ fn warn_of_contradiction(line: LineKind, simulation: &Simulation, warnings: &mut
         against.iter().filter(|joint| joint.beyond_noise).count(),
         fixed(100.0 * simulation.contradicted_weight(), 0)
     );
-    let posture = Some(simulation.posture);
+    let posture = Some(simulation.shape.posture);
     warnings.line(WarningCode::JointsContradictLine, line, posture, text);
 }

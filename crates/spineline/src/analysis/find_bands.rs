@@ -6,40 +6,37 @@ use super::comparison::{ComparedFilm, FilmRole};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::clinical::Regions;
-use crate::evaluate::{Band, Baseline, FilmCovariance, PredictedFilm, RotationPrior};
+use crate::evaluate::{Band, Baseline, FilmCovariance, FilmShape, PredictedFilm, RotationPrior};
 use crate::hypothesis::{Hypothesis, HypothesisFit, Role, ShapePrediction};
 use crate::measure::Outline;
 use crate::personalize::Base;
-use crate::spatial::Frontal;
 
-/// Mean squares of other patients ([`Band`]): means over 15 patients with two bends each, rounded up to a half (decision 0061).
-mod other_patients {
-    use super::{Base, Baseline, Hypothesis, LineKind, Role};
-
-    pub const fn of_line(kind: LineKind) -> f64 {
-        match kind {
-            LineKind::Estimated => 2.0,
-            LineKind::Inflection | LineKind::Iliac | LineKind::Given => 6.5,
-        }
+/// Mean square of other patients ([`Band`]): means over 15 patients with two bends each, rounded up to a half (decision 0061).
+const fn mean_square_of_line(kind: LineKind) -> f64 {
+    match kind {
+        LineKind::Estimated => 2.0,
+        LineKind::Inflection | LineKind::Iliac | LineKind::Given => 6.5,
     }
+}
 
-    pub const fn of_baseline(baseline: Baseline, is_learned: bool) -> f64 {
-        match baseline {
-            Baseline::MirroredBend => 5.0,
-            Baseline::PublishedMobility | Baseline::OtherPatients => 6.0,
-            Baseline::RotationPrior => 1.5,
-            Baseline::RotationPriorWithTilt if is_learned => 1.0,
-            Baseline::RotationPriorWithTilt | Baseline::Cubic => 2.5,
-        }
+/// As [`mean_square_of_line`]; `is_learned` where the distribution of rotations was given.
+const fn mean_square_of_baseline(baseline: Baseline, is_learned: bool) -> f64 {
+    match baseline {
+        Baseline::MirroredBend => 5.0,
+        Baseline::PublishedMobility | Baseline::OtherPatients => 6.0,
+        Baseline::RotationPrior => 1.5,
+        Baseline::RotationPriorWithTilt if is_learned => 1.0,
+        Baseline::RotationPriorWithTilt | Baseline::Cubic => 2.5,
     }
+}
 
-    pub fn of_load(hypothesis: Hypothesis, role: Role) -> f64 {
-        match (role, hypothesis.base) {
-            (Role::LeftOutWithTilt, _) => 8.0,
-            (_, Base::Free) => 34.0,
-            (Role::HeldOut | Role::LeftOut, _) if hypothesis.load.components() > 1 => 34.0,
-            _ => 6.5,
-        }
+/// As [`mean_square_of_line`].
+fn mean_square_of_load(hypothesis: Hypothesis, role: Role) -> f64 {
+    match (role, hypothesis.base) {
+        (Role::LeftOutWithTilt, _) => 8.0,
+        (_, Base::Free) => 34.0,
+        (Role::HeldOut | Role::LeftOut, _) if hypothesis.load.components() > 1 => 34.0,
+        _ => 6.5,
     }
 }
 
@@ -48,10 +45,14 @@ struct Known {
     posture: Posture,
     /// Vertebrae above the base that it shows.
     shown: Vec<usize>,
+    /// By T2's place, with the published distribution of rotations.
     by_place: Option<FilmCovariance>,
+    /// By its place and tilt.
     by_place_and_tilt: Option<FilmCovariance>,
-    /// By the distribution that was given, for its two predictions.
-    by_given: [Option<FilmCovariance>; 2],
+    /// By T2's place, with the distribution that was given.
+    by_given_and_place: Option<FilmCovariance>,
+    /// By its place and tilt.
+    by_given_place_and_tilt: Option<FilmCovariance>,
 }
 
 impl Known {
@@ -66,22 +67,22 @@ impl Known {
             shown: film.measured().skip(1).map(|(i, _)| i).collect(),
             by_place: covariance(&published, false),
             by_place_and_tilt: covariance(&published, true),
-            by_given: [false, true].map(|tilt| covariance(given.as_ref()?, tilt)),
+            by_given_and_place: given.as_ref().and_then(|prior| covariance(prior, false)),
+            by_given_place_and_tilt: given.as_ref().and_then(|prior| covariance(prior, true)),
         }
     }
 
     fn line<'a>(&'a self, film: &'a ComparedFilm, place: usize) -> Option<PredictedFilm<'a>> {
         let found = film.simulations[place].as_ref()?;
-        Some(self.film(self.by_place.as_ref()?, &found.location_errors_mm, &found.locations))
+        Some(self.film(self.by_place.as_ref()?, &found.shape))
     }
 
     fn baseline<'a>(&'a self, film: &'a ComparedFilm, one: Baseline) -> Option<PredictedFilm<'a>> {
         let found = film.baseline(one)?;
-        let [given, given_with_tilt] = &self.by_given;
         let covariance = match one {
-            Baseline::RotationPrior => given.as_ref(),
+            Baseline::RotationPrior => self.by_given_and_place.as_ref(),
             Baseline::RotationPriorWithTilt => {
-                given_with_tilt.as_ref().or(self.by_place_and_tilt.as_ref())
+                self.by_given_place_and_tilt.as_ref().or(self.by_place_and_tilt.as_ref())
             }
             // Its errors depend on the form of the curve, not on joints.
             Baseline::Cubic => None,
@@ -89,7 +90,7 @@ impl Known {
                 self.by_place.as_ref()
             }
         };
-        Some(self.film(covariance?, &found.location_errors_mm, &found.locations))
+        Some(self.film(covariance?, &found.shape))
     }
 
     fn load<'a>(&'a self, found: &'a ShapePrediction) -> Option<PredictedFilm<'a>> {
@@ -98,20 +99,19 @@ impl Known {
             Role::HeldOut | Role::LeftOut | Role::LeftOutWithPrior => self.by_place.as_ref(),
             Role::Fitted | Role::LeftOutLoadFitted => None,
         };
-        Some(self.film(covariance?, &found.location_errors_mm, &found.locations))
+        Some(self.film(covariance?, &found.shape))
     }
 
     fn has_given(&self) -> bool {
-        self.by_given[1].is_some()
+        self.by_given_place_and_tilt.is_some()
     }
 
     fn film<'a>(
         &'a self,
         covariance: &'a FilmCovariance,
-        errors_mm: &'a [f64],
-        locations: &'a [Frontal],
+        shape: &'a FilmShape,
     ) -> PredictedFilm<'a> {
-        PredictedFilm { covariance, shown: &self.shown, errors_mm, locations }
+        PredictedFilm { covariance, shown: &self.shown, shape }
     }
 }
 
@@ -172,7 +172,7 @@ impl Analysis {
         let mut bands: Vec<FilmBands> = films.iter().map(none).collect();
         for (place, line) in compared.lines.iter().enumerate() {
             let predicted: Vec<_> = films.iter().map(|(film, k)| (*k)?.line(film, place)).collect();
-            let of_others = |_| other_patients::of_line(line.kind);
+            let of_others = |_| mean_square_of_line(line.kind);
             let found = of_method(&predicted, regions, of_others, is_left_out);
             for (film, band) in bands.iter_mut().zip(found) {
                 film.lines.extend(band.map(|band| (line.kind, band)));
@@ -181,9 +181,8 @@ impl Analysis {
         for one in Baseline::ALL {
             let predicted: Vec<_> =
                 films.iter().map(|(film, k)| (*k)?.baseline(film, one)).collect();
-            let of_others = |i: usize| {
-                other_patients::of_baseline(one, films[i].1.is_some_and(Known::has_given))
-            };
+            let of_others =
+                |i: usize| mean_square_of_baseline(one, films[i].1.is_some_and(Known::has_given));
             let found = of_method(&predicted, regions, of_others, is_left_out);
             for (film, band) in bands.iter_mut().zip(found) {
                 film.baselines.extend(band.map(|band| (one, band)));
@@ -203,11 +202,11 @@ impl Analysis {
                 .predictions
                 .iter()
                 .map(|found| {
-                    let known = known.iter().find(|one| one.posture == found.posture)?;
+                    let known = known.iter().find(|one| one.posture == found.shape.posture)?;
                     of_role(found.role).then(|| known.load(found)).flatten()
                 })
                 .collect();
-            let of_others = |_| other_patients::of_load(fit.hypothesis, role);
+            let of_others = |_| mean_square_of_load(fit.hypothesis, role);
             let found = of_method(&predicted, &self.movement.regions, of_others, is_left_out);
             for (band, found) in bands.iter_mut().zip(found) {
                 *band = found.or(band.take());

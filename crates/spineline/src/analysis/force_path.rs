@@ -37,8 +37,8 @@ impl Analysis {
 
     /// A length on the outline of a simulated film over the same length in the model.
     fn on_outline(&self, simulation: &Simulation) -> f64 {
-        let outline = self.movement.film(simulation.posture).map(|posture| &posture.outline);
-        outline.map_or(1.0, |outline| simulation.scale.factor / outline.length.scale.factor)
+        let outline = self.movement.film(simulation.shape.posture).map(|posture| &posture.outline);
+        outline.map_or(1.0, |outline| simulation.shape.scale.factor / outline.length.scale.factor)
     }
 
     /// As [`Analysis::force_path`], with the whole shape of the spine under each part, at the length of the erect film.

@@ -3,6 +3,7 @@
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::Simulation;
+use crate::evaluate::statistics::mean;
 use crate::multibody::{JointGroups, StiffnessLibrary, coupled_matrix};
 use crate::personalize::{FitStatus, Gauge, Personalization};
 use crate::spatial::Mat3;
@@ -24,7 +25,7 @@ impl LineModel {
     /// The prediction of one posture.
     #[must_use]
     pub fn simulation(&self, posture: Posture) -> Option<&Simulation> {
-        self.simulations.iter().find(|simulation| simulation.posture == posture)
+        self.simulations.iter().find(|simulation| simulation.shape.posture == posture)
     }
 
     /// Multipliers of the lateral springs, in the order of the groups.
@@ -72,12 +73,7 @@ impl LineModel {
     /// Mean location error over fitted or over held-out postures; `None` without these postures.
     #[must_use]
     pub fn mean_location_error_mm(&self, fitted: bool) -> Option<f64> {
-        let errors: Vec<f64> = self
-            .simulations
-            .iter()
-            .filter(|s| s.fitted == fitted && s.is_usable())
-            .flat_map(|s| s.location_errors_mm.iter().copied())
-            .collect();
-        (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
+        let films = self.simulations.iter().filter(|s| s.fitted == fitted && s.is_usable());
+        mean(films.flat_map(|s| s.shape.location_errors_mm.iter().copied()))
     }
 }

@@ -4,7 +4,7 @@ use super::endings::warn_of_endings;
 use super::{AnalysisOptions, FilmMovement, Grouping, LineModel, Movement};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
-use crate::evaluate::{NearbyMatch, Simulation, Target, predict, simulate};
+use crate::evaluate::{FilmUnderLine, NearbyMatch, Simulation, Target, predict, simulate};
 use crate::multibody::{ForceSign, JointGroups, Load, PathEnding, Statics};
 use crate::number::fixed;
 use crate::personalize::estimate::{JointResponses, components_of, line_of};
@@ -274,11 +274,9 @@ impl Evaluation<'_> {
                 Target::NearestT2 { sign, start: self.nearby(posture.outline.posture) }
             }
         };
-        let (film, regions) = (&posture.outline, &self.movement.regions);
-        let simulation = match fitted {
-            Some(_) => simulate(&self.statics, line, self.depth_mm, film, regions, target, true),
-            None => predict(&self.statics, line, self.depth_mm, film, regions, target),
-        };
+        let film = FilmUnderLine { outline: &posture.outline, line, depth_mm: self.depth_mm };
+        let shape_of = if fitted.is_some() { simulate } else { predict };
+        let simulation = shape_of(&self.statics, film, &self.movement.regions, target);
         // Nominal springs do not predict this patient.
         let status = match self.fit.status {
             FitStatus::NotEvaluable => PathEnding::NotConverged,
@@ -321,7 +319,7 @@ fn hints(models: &[LineModel], bends: &[(&FilmMovement, Load)]) -> Vec<Start> {
         let mut line = simulation.line;
         if line.application == Application::AtT2 {
             // In equilibrium a force at T2 is one along a line through where T2 is.
-            line.point = simulation.locations[simulation.locations.len() - 1];
+            line.point = simulation.shape.locations[simulation.joints()];
         }
         let force_n = simulation.force_n / model.fit.absolute_scale;
         Some(components_of(&line, force_n).to_vec())

@@ -1,3 +1,5 @@
+//! Every choice of an analysis.
+
 use crate::action::{LineKind, LineOfAction};
 use crate::anatomy::{Posture, named};
 use crate::clinical::EndChoice;

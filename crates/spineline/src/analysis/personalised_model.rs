@@ -126,7 +126,7 @@ impl Analysis {
                 Application::AtT2 => top_x_mm,
             };
             FilmLoad {
-                posture: film.posture,
+                posture: film.shape.posture,
                 status: film.status,
                 force_n: film.force_n,
                 point_mm: [x_mm, line.point.y_mm, line.point.z_mm],

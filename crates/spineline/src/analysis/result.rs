@@ -1,3 +1,5 @@
+//! The result of an analysis.
+
 use super::bands::Bands;
 use super::comparison::{LinesCompared, Remembered};
 use super::measured::is_read_once;

@@ -1,3 +1,5 @@
+//! The sentences in which an analysis answers which line of action the films support.
+
 use super::comparison::{FilmRole, LinesCompared, Ranking};
 use super::compatibility::{BendEvidence, Compatibility};
 use super::movement::counted_inflections;
@@ -119,7 +121,7 @@ impl Analysis {
     pub(super) fn not_tested_words(&self, model: &LineModel) -> &'static str {
         let mut bends = model.simulations.iter().filter(|s| s.fitted && s.is_usable());
         let lacks_crests = |s: &Simulation| {
-            let film = self.movement.film(s.posture);
+            let film = self.movement.film(s.shape.posture);
             film.is_some_and(|film| film.outline.iliac_normal.is_none())
         };
         if !bends.clone().any(|_| true) {
@@ -265,7 +267,7 @@ impl LinesCompared {
     fn baseline_words(&self, role: FilmRole) -> Option<String> {
         let mut found: Vec<(f64, Baseline)> = Baseline::ALL
             .into_iter()
-            .filter_map(|one| Some((self.baseline_errors(one, role)?.1, one)))
+            .filter_map(|one| Some((self.baseline_error_mm(one, role)?, one)))
             .collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (with_tilt, found): (Vec<_>, Vec<_>) =
@@ -333,7 +335,7 @@ impl LinesCompared {
                 let error = |line: usize| {
                     film.simulations[line]
                         .as_ref()
-                        .map_or(f64::INFINITY, Simulation::mean_location_error_mm)
+                        .map_or(f64::INFINITY, |found| found.shape.mean_location_error_mm())
                 };
                 ranked.iter().min_by(|a, b| error(a.0).total_cmp(&error(b.0))).map(|one| one.1)
             })

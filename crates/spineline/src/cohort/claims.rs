@@ -3,7 +3,7 @@ use crate::analysis::{Analysis, FilmMovement};
 use crate::anatomy::named;
 use crate::evaluate::Simulation;
 use crate::evaluate::statistics::{
-    Share, Summary, cluster_bootstrap, paired_t, quantile, ratio_bootstrap,
+    Share, Summary, cluster_bootstrap, mean, paired_t, quantile, ratio_bootstrap,
 };
 use crate::measure::Outline;
 use crate::motion::least_windows;
@@ -67,8 +67,7 @@ impl PatientClaims {
             ((2 * NEAR_SEGMENTS + 1) as f64 / (to.saturating_sub(from) + 1) as f64).min(1.0)
         });
         let of_films = |value: &dyn Fn(&crate::curve::CurveFit) -> f64| {
-            mean(&analysis.movement.films.iter().map(|p| value(&p.fit)).collect::<Vec<_>>())
-                .unwrap_or(f64::NAN)
+            mean(analysis.movement.films.iter().map(|p| value(&p.fit))).unwrap_or(f64::NAN)
         };
         Self {
             third_points_deg: with_line.iter().filter_map(|film| third_point_deg(film)).collect(),
@@ -76,8 +75,8 @@ impl PatientClaims {
             against_force: bends.map(|film| against_force(&erect.outline, film) as f64).collect(),
             near_by_chance: (!distances.is_empty()).then_some(0.5 * (chance[0] + chance[1])),
             distances_segments: distances,
-            inflection_rotation_deg: mean(&inflections),
-            mean_rotation_deg: mean(&all),
+            inflection_rotation_deg: mean(inflections),
+            mean_rotation_deg: mean(all),
             fitted_mm: both_lines(analysis, true),
             held_out_mm: both_lines(analysis, false),
             residuals: [of_films(&|fit| fit.rmse_mm), of_films(&|fit| fit.rmse_tilt.deg())],
@@ -89,7 +88,7 @@ impl PatientClaims {
     #[must_use]
     pub fn near(&self) -> Option<f64> {
         let near = |distance: &f64| f64::from(u8::from(*distance <= NEAR_SEGMENTS as f64));
-        mean(&self.distances_segments.iter().map(near).collect::<Vec<_>>())
+        mean(self.distances_segments.iter().map(near))
     }
 
     /// How far the rotation of the inflections lies below the mean rotation, as a part of it.
@@ -136,22 +135,18 @@ fn simulations(
     models.flat_map(|m| &m.simulations).filter(move |s| s.fitted == fitted)
 }
 
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| Summary::of(values).mean)
-}
-
 /// Mean location errors of the inflection and the iliac line, on the films that both could simulate.
 fn both_lines(analysis: &Analysis, fitted: bool) -> Option<[f64; 2]> {
     let usable = |kind| simulations(analysis, kind, fitted).filter(|s| s.is_usable());
     let (mut first, mut second) = (Vec::new(), Vec::new());
     for a in usable(LineKind::Inflection) {
-        let same = |b: &&Simulation| b.posture == a.posture;
+        let same = |b: &&Simulation| b.shape.posture == a.shape.posture;
         if let Some(b) = usable(LineKind::Iliac).find(same) {
-            first.extend_from_slice(&a.location_errors_mm);
-            second.extend_from_slice(&b.location_errors_mm);
+            first.extend_from_slice(&a.shape.location_errors_mm);
+            second.extend_from_slice(&b.shape.location_errors_mm);
         }
     }
-    Some([mean(&first)?, mean(&second)?])
+    Some([mean(first)?, mean(second)?])
 }
 
 named! {

@@ -45,7 +45,7 @@ impl<'a> Seen<'a> {
         }
         let usable = found.iter().filter(|(_, one)| one.is_usable());
         let of_others_mm = Numbers::of(
-            usable.map(|(place, one)| ((*place, one.baseline), &one.location_errors_mm[..])),
+            usable.map(|(place, one)| ((*place, one.baseline), &one.shape.location_errors_mm[..])),
         );
         Self { patient, has_learned: prior.is_some(), of_others_mm }
     }

@@ -107,7 +107,7 @@ impl<'a> FilmErrors<'a> {
         let mut numbers = ferguson_errors_deg(simulation);
         numbers.push(simulation.contradicted.len() as f64);
         numbers.push(simulation.contradicted_weight());
-        numbers.extend_from_slice(&simulation.location_errors_mm);
+        numbers.extend_from_slice(&simulation.shape.location_errors_mm);
         numbers
     }
 
@@ -342,7 +342,7 @@ fn under_lines(
 fn baselines_mm(films: &[ComparedFilm]) -> Numbers<(u8, Baseline)> {
     let all = (0..).zip(films).flat_map(|(place, film)| {
         let usable = film.baselines.iter().filter(|one| one.is_usable());
-        usable.map(move |one| ((place, one.baseline), &one.location_errors_mm[..]))
+        usable.map(move |one| ((place, one.baseline), &one.shape.location_errors_mm[..]))
     });
     Numbers::of(all)
 }
@@ -362,9 +362,9 @@ fn hypotheses_mm(
             // A load that was fitted to the film does not predict it. No baseline of every analysis has the input of the prior.
             Role::Fitted | Role::LeftOutWithPrior | Role::LeftOutLoadFitted => return None,
         };
-        let film = (prediction.posture, role);
+        let film = (prediction.shape.posture, role);
         let (place, _) = (0..).zip(films).find(|(_, one)| **one == film)?;
-        Some(((place, hypothesis, with_tilt), &prediction.location_errors_mm[..]))
+        Some(((place, hypothesis, with_tilt), &prediction.shape.location_errors_mm[..]))
     });
     Numbers::of(on_films)
 }

@@ -71,5 +71,5 @@ fn errors_mm(patient: &CohortPatient, baseline: Baseline, prior: &RotationPrior)
     let bends = patient.from_top.iter().filter(|film| film.posture.bend().is_some());
     let predicted = bends.map(|film| film.by_prior(baseline, prior, &patient.links));
     let usable = predicted.filter(crate::evaluate::BaselinePrediction::is_usable);
-    usable.flat_map(|found| found.location_errors_mm).collect()
+    usable.flat_map(|found| found.shape.location_errors_mm).collect()
 }

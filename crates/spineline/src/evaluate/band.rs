@@ -20,18 +20,17 @@
 //! has the values and the measured coverage.
 
 use super::film_covariance::FilmCovariance;
+use super::film_shape::FilmShape;
+use super::statistics::mean;
 use crate::clinical::Regions;
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::Angle;
 
 /// A film as a method predicts it, beside the measured film.
 pub(crate) struct PredictedFilm<'a> {
     pub covariance: &'a FilmCovariance,
     /// Places in the chain of the vertebrae above the base that the film shows, caudal first.
     pub shown: &'a [usize],
-    /// The location error of each.
-    pub errors_mm: &'a [f64],
-    /// Of every vertebra.
-    pub locations: &'a [Frontal],
+    pub shape: &'a FilmShape,
 }
 
 /// How far the measured film can differ from a predicted one, in 95 % of films.
@@ -54,7 +53,7 @@ impl Band {
     /// Mean radius.
     #[must_use]
     pub fn mean_radius_mm(&self) -> f64 {
-        self.radii_mm.iter().sum::<f64>() / self.radii_mm.len() as f64
+        mean(self.radii_mm.iter().copied()).unwrap_or(f64::NAN)
     }
 
     /// Of a film, by the mean squares of other patients and of the other films of this patient.
@@ -67,12 +66,13 @@ impl Band {
         let mean_square = (of_other_patients + other_films.iter().sum::<f64>())
             / (1.0 + other_films.len() as f64);
         let factor = Self::REACH * (mean_square * film.miss_of_top()).sqrt();
-        let above_base = 1..film.locations.len();
+        let locations = &film.shape.locations;
+        let above_base = 1..locations.len();
         Self {
             radii_mm: above_base.map(|i| factor * film.covariance.distance_mm(i)).collect(),
             ferguson: regions
                 .bounds
-                .map(|bounds| film.covariance.ferguson_sd(film.locations, &bounds) * factor),
+                .map(|bounds| film.covariance.ferguson_sd(locations, &bounds) * factor),
             tilt_range: regions
                 .bounds
                 .map(|bounds| film.covariance.tilt_range_sd(&bounds) * factor),
@@ -84,7 +84,7 @@ impl PredictedFilm<'_> {
     /// Mean square of its location errors over those that are expected, without T2.
     pub fn mean_square(&self) -> f64 {
         let between = (self.shown.len() - 1).max(1);
-        let pairs = self.shown.iter().zip(self.errors_mm).take(between);
+        let pairs = self.shown.iter().zip(&self.shape.location_errors_mm).take(between);
         let squares = pairs.map(|(&i, mm)| (mm / self.covariance.distance_mm(i)).powi(2));
         squares.sum::<f64>() / between as f64 / self.miss_of_top()
     }
@@ -93,6 +93,6 @@ impl PredictedFilm<'_> {
     fn miss_of_top(&self) -> f64 {
         let squares = self.shown.iter().map(|&i| self.covariance.distance_mm(i).powi(2));
         let mean_mm2 = squares.sum::<f64>() / self.shown.len() as f64;
-        1.0 + self.errors_mm.last().map_or(0.0, |mm| mm * mm) / mean_mm2
+        1.0 + self.shape.location_errors_mm.last().map_or(0.0, |mm| mm * mm) / mean_mm2
     }
 }

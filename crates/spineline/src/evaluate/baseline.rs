@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::bend_rotations::joint_angles;
+use super::film_shape::FilmShape;
 use super::rotation_prior::RotationPrior;
 use crate::anatomy::{Level, Posture, named};
 use crate::least_squares::{FitStatus, Minimum, System, minimize};
@@ -42,8 +43,8 @@ impl Baseline {
 /// A film as a baseline predicts it, beside what was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaselinePrediction {
-    /// The posture.
-    pub posture: Posture,
+    /// The shape, beside the film.
+    pub shape: FilmShape,
     /// The source of the rotations.
     pub baseline: Baseline,
     /// How the fit to T2 ended.
@@ -52,41 +53,14 @@ pub struct BaselinePrediction {
     pub amount: Option<f64>,
     /// Predicted rotation of every joint from the erect film, caudal first; positive to the patient's right.
     pub rotations: Vec<Angle>,
-    /// The film's scale against the erect film, from T2.
-    pub scale: FilmScale,
-    /// Predicted locations on the outline of the film, from L4 (the base) upwards.
-    pub locations: Vec<Frontal>,
-    /// The vertebrae above the base that the film shows, caudal first.
-    pub compared: Vec<Level>,
-    /// Distance between predicted and measured location of each of them: E_LOC.
-    pub location_errors_mm: Vec<f64>,
 }
 
 impl BaselinePrediction {
-    /// Mean of the location errors.
-    #[must_use]
-    pub fn mean_location_error_mm(&self) -> f64 {
-        self.location_errors_mm.iter().sum::<f64>() / self.location_errors_mm.len() as f64
-    }
-
     /// Whether the fit to T2 converged.
     #[must_use]
     pub fn is_usable(&self) -> bool {
         self.status == FitStatus::Converged
     }
-}
-
-/// How far the top turns from the erect film against the base.
-fn turn_of_top(erect: &Outline, film: &Outline) -> Angle {
-    let last = film.vertebrae.len() - 1;
-    (film.vertebrae[last].tilt - erect.vertebrae[last].tilt).wrapped()
-}
-
-/// Standard deviation of that turn by the noise of both films' tilts.
-pub(crate) fn turn_of_top_sd(erect: &Outline, film: &Outline) -> Angle {
-    // A tilt against L4 has the noise of two.
-    let [film_sd, erect_sd] = [film, erect].map(|outline| outline.noise_of_ends().tilt.rad());
-    Angle::from_rad(f64::sqrt(2.0) * film_sd.hypot(erect_sd))
 }
 
 /// Joint rotations before a film: `mean + basis x`, where `x` are either free or standard normal.
@@ -134,6 +108,26 @@ pub fn predict_from_prior(
     FilmFromTop::of(erect, film).by_prior(baseline, prior, &Links::of(erect))
 }
 
+/// How far T2 turned from the erect film against the base.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TurnOfTop {
+    pub angle: Angle,
+    /// Its standard deviation by the noise of both films' tilts.
+    pub sd: Angle,
+}
+
+impl TurnOfTop {
+    pub fn of(erect: &Outline, film: &Outline) -> Self {
+        let last = film.vertebrae.len() - 1;
+        // A tilt against L4 has the noise of two.
+        let [film_sd, erect_sd] = [film, erect].map(|outline| outline.noise_of_ends().tilt.rad());
+        Self {
+            angle: (film.vertebrae[last].tilt - erect.vertebrae[last].tilt).wrapped(),
+            sd: Angle::from_rad(f64::sqrt(2.0) * film_sd.hypot(erect_sd)),
+        }
+    }
+}
+
 /// The data of a film for a prediction from T2 and its comparison: the film itself need not be kept.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FilmFromTop {
@@ -144,8 +138,7 @@ pub(crate) struct FilmFromTop {
     pub top: Frontal,
     /// Standard deviation of a coordinate of it relative to the base.
     pub top_sd_mm: f64,
-    /// How far T2 turned from the erect film, and the standard deviation of that.
-    pub turn: [Angle; 2],
+    pub turn: TurnOfTop,
     /// The vertebrae above the base that the film shows, caudal first, and their places in the chain.
     pub shown: Box<[(u8, Level)]>,
     /// Their locations on the outline of the film.
@@ -161,7 +154,7 @@ impl FilmFromTop {
             length: film.length,
             top: film.vertebrae[last].location * film.length.scale.factor,
             top_sd_mm: film.top_sd_mm(),
-            turn: [turn_of_top(erect, film), turn_of_top_sd(erect, film)],
+            turn: TurnOfTop::of(erect, film),
             shown: shown().map(|(i, vertebra)| (i as u8, vertebra.level)).collect(),
             locations: shown().map(|(_, vertebra)| vertebra.location).collect(),
         }
@@ -250,15 +243,17 @@ impl FilmFromTop {
         let (compared, location_errors_mm) =
             self.shown.iter().zip(&self.locations).map(errors).unzip();
         BaselinePrediction {
-            posture: self.posture,
+            shape: FilmShape {
+                posture: self.posture,
+                scale,
+                locations,
+                compared,
+                location_errors_mm,
+            },
             baseline,
             status: end.status,
             amount: rotations.is_free.then(|| end.x[0]),
             rotations: found.iter().map(|&rad| Angle::from_rad(rad)).collect(),
-            scale,
-            locations,
-            compared,
-            location_errors_mm,
         }
     }
 }
@@ -268,8 +263,8 @@ struct TopFit<'a> {
     links: &'a Links,
     rotations: &'a Rotations,
     film: &'a FilmFromTop,
-    /// How far T2 turned from the erect film, and the standard deviation of that, in rad; where it is known.
-    turn: Option<[f64; 2]>,
+    /// How far T2 turned, where it is known.
+    turn: Option<TurnOfTop>,
 }
 
 impl<'a> TopFit<'a> {
@@ -279,8 +274,7 @@ impl<'a> TopFit<'a> {
         links: &'a Links,
         knows_tilt: bool,
     ) -> Self {
-        let turn = knows_tilt.then(|| film.turn.map(Angle::rad));
-        Self { links, rotations, film, turn }
+        Self { links, rotations, film, turn: knows_tilt.then_some(film.turn) }
     }
 
     fn minimum(&self) -> Minimum {
@@ -335,8 +329,9 @@ impl<'a> TopFit<'a> {
         if self.scaled() {
             system.jacobian[(2, coordinates)] = prior;
         }
-        if let Some([turn, sd]) = self.turn {
-            system.residuals[3] = (rotations.sum() - turn) / sd;
+        if let Some(TurnOfTop { angle, sd }) = self.turn {
+            let sd = sd.rad();
+            system.residuals[3] = (rotations.sum() - angle.rad()) / sd;
             for i in 0..coordinates {
                 system.jacobian[(3, i)] = self.rotations.basis.column(i).sum() / sd;
             }

@@ -2,7 +2,7 @@
 
 use super::baseline::{Baseline, BaselinePrediction, Links};
 use super::bend_rotations::joint_rotations_of;
-use super::simulate::location_errors_mm;
+use super::film_shape::FilmShape;
 use crate::least_squares::FitStatus;
 use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};
@@ -21,17 +21,13 @@ pub(crate) fn predict_cubic(erect: &Outline, film: &Outline) -> BaselinePredicti
     let cubic = Cubic::between(ends);
     let places = cubic.at_parts(&parts(erect));
     let tilts: Vec<Angle> = places.iter().map(|&u| cubic.tilt(u)).collect();
-    let locations: Vec<Frontal> = places.iter().map(|&u| cubic.location(u)).collect();
+    let locations = places.iter().map(|&u| cubic.location(u)).collect();
     BaselinePrediction {
-        posture: film.posture,
+        shape: FilmShape::new(locations, film),
         baseline: Baseline::Cubic,
         status: FitStatus::Converged,
         amount: None,
         rotations: joint_rotations_of(erect, |i| tilts[i]),
-        scale: film.length.scale,
-        compared: film.measured().skip(1).map(|(_, vertebra)| vertebra.level).collect(),
-        location_errors_mm: location_errors_mm(&locations, film),
-        locations,
     }
 }
 

@@ -1,3 +1,5 @@
+//! Published lateral bending of healthy joints.
+
 use crate::anatomy::Levels;
 use crate::spatial::Angle;
 

@@ -18,6 +18,7 @@ mod baseline;
 mod bend_rotations;
 mod cubic;
 mod film_covariance;
+mod film_shape;
 mod mobility;
 pub mod paired;
 mod prediction;
@@ -28,15 +29,16 @@ pub mod statistics;
 pub use band::Band;
 pub(crate) use band::PredictedFilm;
 pub use baseline::{Baseline, BaselinePrediction, predict_baseline, predict_from_prior};
-pub(crate) use baseline::{FilmFromTop, Links, turn_of_top_sd};
+pub(crate) use baseline::{FilmFromTop, Links, TurnOfTop};
 pub(crate) use bend_rotations::joint_angles;
 pub use bend_rotations::{BendRotations, joint_rotations};
 pub(crate) use cubic::predict_cubic;
 pub(crate) use film_covariance::FilmCovariance;
+pub use film_shape::FilmShape;
 pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};
 pub use rotation_prior::{PriorSource, RotationPrior, RotationPriorError};
 pub use simulate::{
-    Alternative, ForceChoice, NearbyMatch, Simulation, Target, location_errors_mm, simulate,
+    Alternative, FilmUnderLine, ForceChoice, NearbyMatch, Simulation, Target, simulate,
 };

@@ -1,6 +1,6 @@
 //! Predictions of films that were not fitted, whose scale is not known either.
 
-use super::{Simulation, Target, simulate};
+use super::{FilmUnderLine, Simulation, Target, simulate};
 use crate::action::LineOfAction;
 use crate::clinical::Regions;
 use crate::measure::{FilmScale, Outline};
@@ -11,32 +11,30 @@ use crate::spatial::Frontal;
 ///
 /// Force and scale are found together: the force brings T2 nearest on the film at that scale, and the scale is what T2's
 /// location gives for that shape ([`crate::measure::FilmLength::from_top`]). The result is in the frame and at the scale of the
-/// outline that was given. Where the scale of films is fixed, this is [`simulate`].
+/// outline that was given. Where the scale of films is fixed, the shape is the same as by [`simulate`].
 #[must_use]
 pub fn predict(
     statics: &Statics<'_>,
-    line: LineOfAction,
-    depth_mm: f64,
-    film: &Outline,
+    film: FilmUnderLine<'_>,
     regions: &Regions,
     target: Target,
 ) -> Simulation {
-    let found = at_scale_of_top(film, |scaled| {
-        let factor = film.length.scale.factor / scaled.length.scale.factor;
-        let line = LineOfAction { point: line.point * factor, ..line };
-        let found = simulate(statics, line, depth_mm, scaled, regions, target, false);
-        Some((found.locations[found.locations.len() - 1], found))
+    let found = at_scale_of_top(film.outline, |outline| {
+        let factor = film.outline.length.scale.factor / outline.length.scale.factor;
+        let line = LineOfAction { point: film.line.point * factor, ..film.line };
+        let film = FilmUnderLine { outline, line, ..film };
+        let found = simulate(statics, film, regions, target);
+        Some((found.shape.locations[found.joints()], found))
     });
     let ScaledPrediction { scale, prediction, converged } =
         found.expect("a simulation never comes back empty");
-    let factor = scale.factor / film.length.scale.factor;
+    let factor = scale.factor / film.outline.length.scale.factor;
     let LineOfAction { point, .. } = prediction.line;
     Simulation {
+        fitted: false,
         status: if converged { prediction.status } else { PathEnding::NotConverged },
-        scale,
         line: LineOfAction { point: point * factor, ..prediction.line },
-        locations: prediction.locations.iter().map(|&location| location * factor).collect(),
-        location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
+        shape: prediction.shape.in_lengths_of(film.outline, scale),
         ..prediction
     }
 }

@@ -1,14 +1,27 @@
+//! A fitted film under a force along a line.
+
+use super::FilmShape;
 use crate::action::LineOfAction;
 use crate::anatomy::named;
-use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
-use crate::measure::{FilmScale, Outline};
+use crate::measure::Outline;
 use crate::multibody::{
     ForceMatch, ForceSign, Load, PathEnding, Residual, Statics, amplitude_matches, match_t2,
     match_t2_near,
 };
 use crate::personalize::evidence::ContradictedJoint;
 use crate::spatial::{Angle, Frontal};
+
+/// A film and a line of action on it.
+#[derive(Debug, Clone, Copy)]
+pub struct FilmUnderLine<'a> {
+    /// The measured film.
+    pub outline: &'a Outline,
+    /// Line of action, in `G`.
+    pub line: LineOfAction,
+    /// Sagittal place of the line.
+    pub depth_mm: f64,
+}
 
 /// What determines the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,13 +114,10 @@ pub struct Alternative {
 /// One posture as the model predicts it, beside what was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulation {
-    /// The posture.
-    pub posture: Posture,
-    /// Whether the stiffness was fitted to this very film.
+    /// The shape, beside the film.
+    pub shape: FilmShape,
+    /// Whether it was simulated as a fitted film ([`simulate`]), or predicted ([`super::predict`]).
     pub fitted: bool,
-    /// The film's scale against the erect film, at which the model was compared with it: from all vertebrae of a fitted film,
-    /// from T2 of a predicted one.
-    pub scale: FilmScale,
     /// Line of action, on the outline that was simulated.
     pub line: LineOfAction,
     /// Sagittal place of the line.
@@ -124,16 +134,10 @@ pub struct Simulation {
     pub lost_forces: usize,
     /// Every other force up to the limit that reaches the amplitude, with the reasons against it.
     pub alternatives: Vec<Alternative>,
-    /// Simulated locations on that outline, L4 first.
-    pub locations: Vec<Frontal>,
-    /// Simulated tilts.
+    /// Simulated tilts, L4 first.
     pub tilts: Vec<Angle>,
     /// Simulated minus measured Ferguson angle per region.
     pub ferguson_difference: [Angle; 3],
-    /// The vertebrae above the base that the film shows, caudal first: L3…T2 where none is missing.
-    pub compared: Vec<Level>,
-    /// Distance between simulated and measured location of each of them: E_LOC.
-    pub location_errors_mm: Vec<f64>,
     /// Joints that turn against the moment of this force.
     pub contradicted: Vec<ContradictedJoint>,
     /// At every other minimum along the path of forces, T2 is at least this far from its place.
@@ -141,29 +145,16 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Distance between simulated and measured location of a vertebra; `None` where the film does not show it.
-    #[must_use]
-    pub fn location_error_mm(&self, level: Level) -> Option<f64> {
-        let place = self.compared.iter().position(|&own| own == level)?;
-        self.location_errors_mm.get(place).copied()
-    }
-
     /// Number of joints that can turn.
     #[must_use]
     pub fn joints(&self) -> usize {
-        self.locations.len() - 1
+        self.shape.locations.len() - 1
     }
 
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
         self.status.is_usable()
-    }
-
-    /// Mean of the location errors.
-    #[must_use]
-    pub fn mean_location_error_mm(&self) -> f64 {
-        self.location_errors_mm.iter().sum::<f64>() / self.location_errors_mm.len() as f64
     }
 
     /// Part of the joints' work that no positive stiffness explains.
@@ -173,20 +164,19 @@ impl Simulation {
     }
 }
 
-/// Simulates one posture: the shape of a personalised spine under a force along a line, against the film.
+/// Simulates a fitted film: the shape of a personalised spine under a force along a line, against the film.
 ///
-/// The line of action is in `G`, and `depth_mm` is its sagittal place; `fitted` says whether the stiffness was fitted to this
-/// film. A fitted force is kept, and its residual amplitude is reported. Several forces, of either sign,
-/// may meet a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others
-/// are reported. For [`Target::NearestT2`] the smallest force counts that brings T2 to within 1 mm of the nearest it gets
-/// (decision 0008). A search without result is a [`PathEnding`], not an error; a shape beyond the human range of motion is not a
-/// result either, and comes last in the choice.
+/// [`super::predict`] simulates films that were not fitted, because their scale is not known. A fitted force is kept, and its residual
+/// amplitude is reported. Several forces, of either sign, may meet a bend's amplitude; the one whose shape has the lowest sum of squared
+/// Ferguson errors is chosen, and the others are reported. For [`Target::NearestT2`] the smallest force counts that brings T2 to within
+/// 1 mm of the nearest it gets (decision 0008). A search without result is a [`PathEnding`], not an error; a shape beyond the human range
+/// of motion is not a result either, and comes last in the choice.
 ///
 /// ```
 /// use spineline::action::LineOfAction;
 /// use spineline::analysis::{AnalysisOptions, analyze_movement};
 /// use spineline::anatomy::Posture;
-/// use spineline::evaluate::{Target, simulate};
+/// use spineline::evaluate::{FilmUnderLine, Target, simulate};
 /// use spineline::multibody::{JointGroups, Statics, StiffnessLibrary, Support};
 /// use spineline_phantom::{Readers, Scenario, generate};
 ///
@@ -197,25 +187,22 @@ impl Simulation {
 /// let line = LineOfAction::through(caudal, cranial)?;
 /// let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(movement.levels()));
 /// let statics = Statics::new(&movement.spine, &library, &groups, &[0.0; 14], Support::Free);
-/// let target = Target::NearestT2 { sign: None, start: None };
-/// let found =
-///     simulate(&statics, line, 0.0, &bend.outline, &movement.regions, target, false);
+/// let film = FilmUnderLine { outline: &bend.outline, line, depth_mm: 0.0 };
+/// let found = simulate(&statics, film, &movement.regions, Target::Amplitude);
 /// // L3 to T2; L4 is fixed.
-/// assert_eq!(found.location_errors_mm.len(), 14);
+/// assert_eq!(found.shape.location_errors_mm.len(), 14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
 pub fn simulate(
     statics: &Statics<'_>,
-    line: LineOfAction,
-    depth_mm: f64,
-    film: &Outline,
+    film: FilmUnderLine<'_>,
     regions: &Regions,
     target: Target,
-    fitted: bool,
 ) -> Simulation {
+    let FilmUnderLine { outline, line, depth_mm } = film;
     let load = Load::along(line, depth_mm);
-    let measured: Vec<Frontal> = film.locations().collect();
+    let measured: Vec<Frontal> = outline.locations().collect();
     let top = measured[measured.len() - 1];
     let tries = ranked(matches(statics, &load, target, top), &measured, regions);
     let lost = |other: &(ForceMatch, _)| other.0.status == PathEnding::NotConverged;
@@ -230,11 +217,10 @@ pub fn simulate(
         })
         .collect();
     let deformed = &found.solution.deformed;
-    let locations: Vec<Frontal> = (0..measured.len()).map(|i| deformed.location(i)).collect();
+    let locations = (0..measured.len()).map(|i| deformed.location(i)).collect();
     Simulation {
-        posture: film.posture,
-        fitted,
-        scale: film.length.scale,
+        shape: FilmShape::new(locations, outline),
+        fitted: true,
         line,
         depth_mm,
         status: found.status,
@@ -245,9 +231,6 @@ pub fn simulate(
         alternatives,
         tilts: (0..measured.len()).map(|i| deformed.tilt(i)).collect(),
         ferguson_difference,
-        compared: film.measured().skip(1).map(|(_, vertebra)| vertebra.level).collect(),
-        location_errors_mm: location_errors_mm(&locations, film),
-        locations,
         contradicted: Vec::new(),
         other_mm: found.other_mm,
     }
@@ -284,17 +267,6 @@ fn nearest_of_signs(
         None => match_t2(statics, load, &ForceSign::BOTH, place),
         Some(sign) => match_t2(statics, load, &[sign], place),
     }
-}
-
-/// Distance of every vertebra above the base from where a film shows it, caudal first; vertebrae that the film does not show are
-/// left out.
-///
-/// # Panics
-/// If the film shows a vertebra without a location.
-#[must_use]
-pub fn location_errors_mm(locations: &[Frontal], film: &Outline) -> Vec<f64> {
-    let shown = film.measured().skip(1);
-    shown.map(|(i, vertebra)| locations[i].distance_mm(vertebra.location)).collect()
 }
 
 /// Forces that were found with the errors of their Ferguson angles, the best first: a shape that met its target always comes

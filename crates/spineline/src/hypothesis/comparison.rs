@@ -1,6 +1,7 @@
 //! Hypotheses side by side over some patients.
 
-use super::{Criteria, Hypothesis, HypothesisFit, Role, ShapePrediction};
+use super::{Criteria, Hypothesis, HypothesisFit, Role};
+use crate::evaluate::statistics::mean;
 use crate::spatial::Angle;
 
 /// The numbers of a patient's fit for a comparison, without the shapes.
@@ -28,7 +29,7 @@ impl HypothesisScores {
             criteria: fit.criteria,
             location_mm: Role::ALL.map(|role| fit.mean_location_error_mm(role)),
             rotation_deg: Role::ALL.map(|role| fit.mean_rotation_rms(role).map(Angle::deg)),
-            against: against(fit),
+            against: mean(fit.of_role(Role::Fitted).map(|film| film.against.joints as f64)),
             is_beyond_human_range: fit.is_beyond_human_range(),
             lost: fit.lost.len() + usize::from(!fit.is_converged()),
         }
@@ -115,18 +116,18 @@ fn block(patients: &[&[HypothesisScores]], hypotheses: &[Hypothesis]) -> Hypothe
         let difference = |value: fn(&Criteria) -> f64| {
             let both = fits.iter().zip(&all[0]);
             let differences = both.map(|(a, b)| value(&a.criteria) - value(&b.criteria));
-            mean(differences.map(Some)).unwrap_or(f64::NAN)
+            mean(differences).unwrap_or(f64::NAN)
         };
         HypothesisSummary {
             hypothesis,
             free: fits.iter().map(|fit| fit.criteria.fitted - 1).max().unwrap_or(0),
             location_mm: std::array::from_fn(|role| {
-                mean(fits.iter().map(|fit| fit.location_mm[role]))
+                mean(fits.iter().filter_map(|fit| fit.location_mm[role]))
             }),
             rotation_deg: std::array::from_fn(|role| {
-                mean(fits.iter().map(|fit| fit.rotation_deg[role]))
+                mean(fits.iter().filter_map(|fit| fit.rotation_deg[role]))
             }),
-            against: mean(fits.iter().map(|fit| fit.against)),
+            against: mean(fits.iter().filter_map(|fit| fit.against)),
             aicc_difference: difference(|c| c.aicc),
             bic_difference: difference(|c| c.bic),
             best_left_out: best(fits, &all, left_out),
@@ -147,15 +148,4 @@ fn best(
         all.iter().filter_map(|fits| value(fits[patient])).fold(f64::INFINITY, f64::min)
     };
     (0..own.len()).filter(|&p| value(own[p]).is_some_and(|value| value <= least(p))).count()
-}
-
-fn against(fit: &HypothesisFit) -> Option<f64> {
-    let joints = |p: &ShapePrediction| Some(p.against.joints as f64);
-    mean(fit.of_role(Role::Fitted).map(joints))
-}
-
-/// Mean of the values that are there.
-fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    let (sum, count) = values.flatten().fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
-    (count > 0).then(|| sum / f64::from(count))
 }

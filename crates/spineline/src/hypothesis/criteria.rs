@@ -1,3 +1,5 @@
+//! Criteria that count the parameters of a fit.
+
 use serde::{Deserialize, Serialize};
 
 use crate::number::or_infinite;

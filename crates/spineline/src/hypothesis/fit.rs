@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::from_top::predict_from_top;
-use super::prediction::{Predicted, Role, ShapePrediction, predict, prediction};
+use super::prediction::{FoundLoad, Predicted, Predictor, Role, ShapePrediction};
 use super::{Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
+use crate::evaluate::statistics::mean;
 use crate::least_squares::FitStatus;
-use crate::multibody::{LoadedFilm, PathEnding, Wanted};
+use crate::multibody::{FilmUnderLoad, LoadedFilm, PathEnding, Wanted};
 use crate::personalize::{Base, FilmData, Personalization, Problem, fit};
 use crate::spatial::Angle;
 
@@ -73,7 +73,7 @@ impl HypothesisFit {
     /// Mean location error over the films of a role; `None` without such a film.
     #[must_use]
     pub fn mean_location_error_mm(&self, role: Role) -> Option<f64> {
-        mean(self.of_role(role).map(ShapePrediction::mean_location_error_mm))
+        mean(self.of_role(role).map(|p| p.shape.mean_location_error_mm()))
     }
 
     /// Mean over the films of a role of the rotations' errors.
@@ -81,11 +81,6 @@ impl HypothesisFit {
     pub fn mean_rotation_rms(&self, role: Role) -> Option<Angle> {
         mean(self.of_role(role).map(|p| p.rotation_rms.rad())).map(Angle::from_rad)
     }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// Fits a hypothesis to the bends among some films, and predicts every film: fitted, held out, and each bend from the other.
@@ -118,44 +113,32 @@ pub fn fit_hypothesis(
     for (i, film) in bends.iter().enumerate() {
         record(film, Role::Fitted, all.prediction(i, film, spine, Role::Fitted));
     }
+    let predictor = all.predictor(spine, Role::HeldOut);
     for film in &others {
-        let near = if all.is_evaluable() {
-            predict(hypothesis, spine, film, &all.found.log_multipliers, Role::HeldOut)
-        } else {
-            Err(PathEnding::NotConverged)
-        };
-        record(film, Role::HeldOut, near);
+        record(film, Role::HeldOut, predictor.and_then(|predictor| predictor.near_t2(film)));
     }
     if let [a, b] = bends[..] {
         for (known, left) in [(b, a), (a, b)] {
-            let other = fit_to(hypothesis, spine, &[known], None).filter(Ended::is_evaluable);
-            let logs = other.as_ref().map(|other| other.found.log_multipliers.as_slice());
-            let predictions: [(Role, PredictLeftOut); 3] = [
-                (Role::LeftOut, predict),
-                (Role::LeftOutWithPrior, predict_from_top),
-                (Role::LeftOutWithTilt, predict_from_top),
-            ];
-            for (role, predict) in predictions {
-                let known = logs.ok_or(PathEnding::NotConverged);
-                let found = known.and_then(|logs| predict(hypothesis, spine, left, logs, role));
-                record(left, role, found);
+            let other = fit_to(hypothesis, spine, &[known], None);
+            let predictor =
+                |role| other.as_ref().ok_or(PathEnding::NotConverged)?.predictor(spine, role);
+            record(left, Role::LeftOut, predictor(Role::LeftOut).and_then(|one| one.near_t2(left)));
+            for role in [Role::LeftOutWithPrior, Role::LeftOutWithTilt] {
+                record(left, role, predictor(role).and_then(|one| one.by_prior(left)));
             }
             let role = Role::LeftOutLoadFitted;
-            let own = logs
-                .and_then(|logs| fit_to(hypothesis, spine, &[left], Some(logs)))
-                .ok_or(PathEnding::NotConverged)
-                .and_then(|mut own| own.prediction(0, left, spine, role));
+            let own = predictor(role).and_then(|known| {
+                let own = fit_to(hypothesis, spine, &[left], Some(known.log_multipliers));
+                own.ok_or(PathEnding::NotConverged)?.prediction(0, left, spine, role)
+            });
             record(left, role, own);
         }
     }
     Some(fit)
 }
 
-/// How a bend is predicted with the stiffness of the other one.
-type PredictLeftOut = fn(Hypothesis, &Spine<'_>, &HypothesisFilm<'_>, &[f64], Role) -> Predicted;
-
-/// A fit that has ended.
-struct Ended<'a> {
+/// A fit of a hypothesis to some films.
+struct FittedHypothesis<'a> {
     problem: Problem<'a, LoadedFilm>,
     hypothesis: Hypothesis,
     found: Personalization,
@@ -167,7 +150,7 @@ fn fit_to<'a>(
     spine: &Spine<'a>,
     films: &[&'a HypothesisFilm<'a>],
     held: Option<&[f64]>,
-) -> Option<Ended<'a>> {
+) -> Option<FittedHypothesis<'a>> {
     let Hypothesis { load, base } = hypothesis;
     let hints = if base == Base::Fixed {
         Vec::new()
@@ -189,12 +172,27 @@ fn fit_to<'a>(
     let mut problem =
         Problem::new(spine.springs, films, &spine.settings, held.map(<[f64]>::to_vec));
     let found = fit(&mut problem, &hints, None);
-    Some(Ended { problem, hypothesis, found })
+    Some(FittedHypothesis { problem, hypothesis, found })
 }
 
-impl Ended<'_> {
+impl FittedHypothesis<'_> {
     fn is_evaluable(&self) -> bool {
         self.found.status != FitStatus::NotEvaluable
+    }
+
+    /// Predicts other films with this stiffness; `NotConverged` if the fit could not be evaluated.
+    fn predictor<'s, 'b>(
+        &'s self,
+        spine: &'s Spine<'b>,
+        role: Role,
+    ) -> Result<Predictor<'s, 'b>, PathEnding> {
+        let by = || Predictor {
+            hypothesis: self.hypothesis,
+            spine,
+            log_multipliers: &self.found.log_multipliers,
+            role,
+        };
+        self.is_evaluable().then(by).ok_or(PathEnding::NotConverged)
     }
 
     fn criteria(&self) -> Criteria {
@@ -221,7 +219,8 @@ impl Ended<'_> {
         if !fitted.solve_at_load(&springs, Wanted::Shape) {
             return Err(PathEnding::NotConverged);
         }
-        let (components, base) = fitted.split();
-        prediction(&fitted.loaded, film, role, spine, components.to_vec(), base)
+        let (components, base) = fitted.loaded.split(&fitted.load);
+        let found = FoundLoad { components: components.to_vec(), base };
+        found.shape(&fitted.loaded, film, role, spine)
     }
 }

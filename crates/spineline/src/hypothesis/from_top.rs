@@ -10,9 +10,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::near_t2::{largest, size_factor};
-use super::prediction::{Predicted, Role, ShapePrediction, prediction, with_scale};
-use super::{Base, Hypothesis, HypothesisFilm, Spine};
-use crate::evaluate::{joint_angles, turn_of_top_sd};
+use super::prediction::{FoundLoad, Predicted, Predictor, Role, ShapePrediction};
+use super::{Base, HypothesisFilm};
+use crate::evaluate::{TurnOfTop, joint_angles};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::FilmScale;
 use crate::multibody::{
@@ -28,51 +28,41 @@ const SCALE_CONVERGED: f64 = 1e-6;
 /// Rows of T2's location and of the scale.
 const ROWS_OF_PLACE: usize = 3;
 
-/// The film under the most probable load; T2's tilt is known in [`Role::LeftOutWithTilt`].
-pub(super) fn predict_from_top(
-    hypothesis: Hypothesis,
-    spine: &Spine<'_>,
-    film: &HypothesisFilm<'_>,
-    log_multipliers: &[f64],
-    role: Role,
-) -> Predicted {
-    let mut scale = film.outline.length.scale;
-    for _ in 0..MAX_SCALE_ROUNDS {
-        let outline = film.outline.at_scale(scale);
-        let scaled = film.at_scale_of(&outline, spine);
-        let (predicted, next) = at_scale(hypothesis, spine, &scaled, log_multipliers, role)?;
-        let change = (next.factor / scale.factor).ln().abs();
-        scale = next;
-        if change <= SCALE_CONVERGED {
-            return Ok(with_scale(predicted, scale, film));
+impl Predictor<'_, '_> {
+    /// The film under the most probable load; T2's tilt is known in [`Role::LeftOutWithTilt`].
+    pub(super) fn by_prior(self, film: &HypothesisFilm<'_>) -> Predicted {
+        let mut scale = film.outline.length.scale;
+        for _ in 0..MAX_SCALE_ROUNDS {
+            let outline = film.outline.at_scale(scale);
+            let (found, next) = self.at_scale(&film.at_scale_of(&outline, self.spine))?;
+            let change = (next.factor / scale.factor).ln().abs();
+            scale = next;
+            if change <= SCALE_CONVERGED {
+                return Ok(found.in_lengths_of(film, scale));
+            }
         }
+        Err(PathEnding::NotConverged)
     }
-    Err(PathEnding::NotConverged)
-}
 
-/// The prediction with lines at the present scale of the film, and the scale found with it.
-fn at_scale(
-    hypothesis: Hypothesis,
-    spine: &Spine<'_>,
-    film: &HypothesisFilm<'_>,
-    log_multipliers: &[f64],
-    role: Role,
-) -> Result<(ShapePrediction, FilmScale), PathEnding> {
-    let mut fit = TopFit::new(hypothesis, spine, film, log_multipliers, role)
-        .ok_or(PathEnding::NotConverged)?;
-    let found = fit.minimum().ok_or(PathEnding::NotConverged)?;
-    let (components, base) = fit.split(&found);
-    let predicted = prediction(&fit.loaded, film, role, spine, components.to_vec(), base)?;
-    Ok((predicted, fit.scale(&found)))
+    /// The prediction with lines at the present scale of the film, and the scale found with it.
+    fn at_scale(
+        self,
+        film: &HypothesisFilm<'_>,
+    ) -> Result<(ShapePrediction, FilmScale), PathEnding> {
+        let mut fit = PriorFit::new(self, film).ok_or(PathEnding::NotConverged)?;
+        let x = fit.minimum().ok_or(PathEnding::NotConverged)?;
+        let (components, base) = fit.split(&x);
+        let found = FoundLoad { components: components.to_vec(), base };
+        Ok((found.shape(&fit.loaded, film, self.role, self.spine)?, fit.scale(&x)))
+    }
 }
 
 /// The fit of a load, the base and the scale to T2 on a film and to the distribution of joint rotations.
-struct TopFit<'s, 'a> {
-    hypothesis: Hypothesis,
+struct PriorFit<'s, 'a> {
+    by: Predictor<'s, 'a>,
     film: &'s HypothesisFilm<'s>,
     loaded: LoadedFilm,
     statics: GeneralStatics<'a>,
-    groups: usize,
     /// T2 as it was marked.
     top: Frontal,
     top_sd_mm: f64,
@@ -89,15 +79,10 @@ struct TopFit<'s, 'a> {
     size: DMatrix<f64>,
 }
 
-impl<'s, 'a> TopFit<'s, 'a> {
+impl<'s, 'a> PriorFit<'s, 'a> {
     /// `None` if the film lacks the line, or if its posture or vertebrae lack a distribution of rotations.
-    fn new(
-        hypothesis: Hypothesis,
-        spine: &Spine<'a>,
-        film: &'s HypothesisFilm<'s>,
-        log_multipliers: &[f64],
-        role: Role,
-    ) -> Option<Self> {
+    fn new(by: Predictor<'s, 'a>, film: &'s HypothesisFilm<'s>) -> Option<Self> {
+        let Predictor { hypothesis, spine, log_multipliers, role } = by;
         let mut loaded = film.under(hypothesis.load, spine)?;
         let statics = spine.with_multipliers(log_multipliers);
         let components = hypothesis.load.components();
@@ -115,14 +100,13 @@ impl<'s, 'a> TopFit<'s, 'a> {
         let factor = film.outline.length.scale.factor;
         let weights = ShapeWeights::of_difference(&film.outline.noise, &spine.springs.erect.noise);
         Some(Self {
-            hypothesis,
+            by,
             film,
             statics,
-            groups: log_multipliers.len(),
             top: film.outline.vertebrae.last()?.location * factor,
             top_sd_mm: film.outline.top_sd_mm(),
             turn_sd: (role == Role::LeftOutWithTilt)
-                .then(|| turn_of_top_sd(spine.springs.erect, film.outline)),
+                .then(|| TurnOfTop::of(spine.springs.erect, film.outline).sd),
             mean: DVector::from_iterator(joints, mean),
             root: spine.rotations.root().clone(),
             base_sd_rad: weights.tilt_sd_rad,
@@ -137,19 +121,22 @@ impl<'s, 'a> TopFit<'s, 'a> {
         self.size.ncols()
     }
 
+    /// Groups of joints: the load's rates follow their rates.
+    fn groups(&self) -> usize {
+        self.by.log_multipliers.len()
+    }
+
     fn is_scaled(&self) -> bool {
         self.film.outline.length.is_free()
     }
 
     fn rows(&self) -> usize {
-        let base = usize::from(self.hypothesis.base == Base::Noisy);
+        let base = usize::from(self.by.hypothesis.base == Base::Noisy);
         ROWS_OF_PLACE + self.mean.len() + usize::from(self.turn_sd.is_some()) + base
     }
 
     fn split<'x>(&self, x: &'x DVector<f64>) -> (&'x [f64], Angle) {
-        let components = self.hypothesis.load.components();
-        let base = if self.free() > components { x[components] } else { 0.0 };
-        (&x.as_slice()[..components], Angle::from_rad(base))
+        self.loaded.split(&x.as_slice()[..self.free()])
     }
 
     /// The most probable unknowns; the shape stays at them. `None` without an equilibrium, or if a single component exceeds
@@ -160,7 +147,7 @@ impl<'s, 'a> TopFit<'s, 'a> {
         let wide = DVector::from_element(unknowns, f64::INFINITY);
         let rows = self.rows();
         let mut best: Option<(f64, DVector<f64>)> = None;
-        for start in starts_of_sizes(&self.size, self.hypothesis.load.components()) {
+        for start in starts_of_sizes(&self.size, self.loaded.components()) {
             self.loaded.reset();
             let start = start.resize_vertically(unknowns, 0.0);
             let end = minimize(start, &-&wide, &wide, rows, |x, system| self.evaluate(x, system));
@@ -195,11 +182,12 @@ impl<'s, 'a> TopFit<'s, 'a> {
             let off = self.loaded.tilt(top) - self.film.outline.vertebrae[top].tilt;
             system.residuals[row] = off.wrapped().rad() / sd.rad();
             for i in 0..free {
-                system.jacobian[(row, i)] = self.loaded.tilt_rate(self.groups + i, top) / sd.rad();
+                system.jacobian[(row, i)] =
+                    self.loaded.tilt_rate(self.groups() + i, top) / sd.rad();
             }
             row += 1;
         }
-        if self.hypothesis.base == Base::Noisy {
+        if self.by.hypothesis.base == Base::Noisy {
             system.residuals[row] = base.rad() / self.base_sd_rad;
             system.jacobian[(row, free - 1)] = 1.0 / self.base_sd_rad;
         }
@@ -216,7 +204,7 @@ impl<'s, 'a> TopFit<'s, 'a> {
         system.residuals[0] = off.y_mm;
         system.residuals[1] = off.z_mm;
         for i in 0..free {
-            let rate = self.loaded.location_rate(self.groups + i, top) * (factor * weight);
+            let rate = self.loaded.location_rate(self.groups() + i, top) * (factor * weight);
             system.jacobian[(0, i)] = rate.y_mm;
             system.jacobian[(1, i)] = rate.z_mm;
         }
@@ -238,7 +226,7 @@ impl<'s, 'a> TopFit<'s, 'a> {
         for joint in 0..joints {
             deviations[(joint, 0)] = angle(joint) - self.mean[joint];
             for i in 0..free {
-                let rate = |vertebra| self.loaded.tilt_rate(self.groups + i, vertebra);
+                let rate = |vertebra| self.loaded.tilt_rate(self.groups() + i, vertebra);
                 deviations[(joint, 1 + i)] = rate(joint + 1) - rate(joint);
             }
         }

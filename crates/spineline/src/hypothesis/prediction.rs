@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::near_t2::nearest_t2;
 use super::{Hypothesis, HypothesisFilm, Spine};
-use crate::anatomy::{Posture, named};
-use crate::evaluate::{ScaledPrediction, at_scale_of_top, location_errors_mm};
-use crate::measure::FilmScale;
-use crate::multibody::{FilmUnderLoad, LoadedFilm, PathEnding, Wanted};
-use crate::spatial::{Angle, Frontal};
+use crate::anatomy::named;
+use crate::evaluate::FilmShape;
+use crate::evaluate::statistics::mean;
+use crate::measure::{FilmScale, Outline};
+use crate::multibody::{FilmUnderLoad, LoadedFilm, PathEnding};
+use crate::spatial::Angle;
 
 named! {
     /// Role of a film in a prediction.
@@ -43,22 +43,16 @@ pub struct CounterRotatingJoints {
 /// A film by a hypothesis, beside the measured film.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShapePrediction {
-    /// The posture.
-    pub posture: Posture,
+    /// The shape, beside the film.
+    pub shape: FilmShape,
     /// Role of the film.
     pub role: Role,
-    /// The film's scale against the erect film, at which the model was compared with it.
-    pub scale: FilmScale,
     /// Components of the load: N, or N·mm for couples; of the body's weight for [`super::LoadShape::Weight`].
     pub components: Vec<f64>,
     /// Turn of the whole spine about L4, about +X.
     pub base: Angle,
-    /// Locations L4 to T2, in `G`.
-    pub locations: Vec<Frontal>,
-    /// Tilts.
+    /// Tilts, L4 first.
     pub tilts: Vec<Angle>,
-    /// Distance between simulated and measured location of L3…T2: E_LOC.
-    pub location_errors_mm: Vec<f64>,
     /// Root mean square of the errors of the joints' rotations, with L4's axis as it was read: a turn of the base is an error of the
     /// lowest joint.
     pub rotation_rms: Angle,
@@ -67,115 +61,70 @@ pub struct ShapePrediction {
 }
 
 impl ShapePrediction {
-    /// Mean of the location errors.
-    #[must_use]
-    pub fn mean_location_error_mm(&self) -> f64 {
-        self.location_errors_mm.iter().sum::<f64>() / self.location_errors_mm.len() as f64
+    /// A prediction at its own scale, in the lengths of the given film.
+    pub(super) fn in_lengths_of(self, film: &HypothesisFilm<'_>, scale: FilmScale) -> Self {
+        Self { shape: self.shape.in_lengths_of(film.outline, scale), ..self }
     }
 }
 
 /// A prediction, or why it is missing.
 pub(super) type Predicted = Result<ShapePrediction, PathEnding>;
 
-/// The film under the load that brings T2 nearest, at the scale that T2 and its prior give.
-pub(super) fn predict(
-    hypothesis: Hypothesis,
-    spine: &Spine<'_>,
-    film: &HypothesisFilm<'_>,
-    log_multipliers: &[f64],
-    role: Role,
-) -> Predicted {
-    let mut reason = PathEnding::NotConverged;
-    let found = at_scale_of_top(film.outline, |outline| {
-        let film = film.at_scale_of(outline, spine);
-        match predict_scaled(hypothesis, spine, &film, log_multipliers, role) {
-            Ok(found) => Some((*found.locations.last()?, found)),
-            Err(lost) => {
-                reason = lost;
-                None
-            }
+/// A load with a base, and the stiffness from other films.
+#[derive(Clone, Copy)]
+pub(super) struct Predictor<'s, 'a> {
+    pub hypothesis: Hypothesis,
+    pub spine: &'s Spine<'a>,
+    pub log_multipliers: &'s [f64],
+    /// Of the films that are predicted.
+    pub role: Role,
+}
+
+/// A load that was found for a film.
+pub(super) struct FoundLoad {
+    pub components: Vec<f64>,
+    /// The turn of the base.
+    pub base: Angle,
+}
+
+impl FoundLoad {
+    /// The shape of the film under the load, if a human spine can have it.
+    pub fn shape(
+        self,
+        loaded: &LoadedFilm,
+        film: &HypothesisFilm<'_>,
+        role: Role,
+        spine: &Spine<'_>,
+    ) -> Predicted {
+        if loaded.is_beyond_human_range(spine.springs.model) {
+            return Err(PathEnding::BeyondHumanRange);
         }
-    });
-    let ScaledPrediction { scale, prediction, converged } = found.ok_or(reason)?;
-    if !converged {
-        return Err(PathEnding::NotConverged);
-    }
-    Ok(with_scale(prediction, scale, film))
-}
-
-/// A prediction at its own scale, in the lengths of the given film.
-pub(super) fn with_scale(
-    prediction: ShapePrediction,
-    scale: FilmScale,
-    film: &HypothesisFilm<'_>,
-) -> ShapePrediction {
-    let factor = scale.factor / film.outline.length.scale.factor;
-    ShapePrediction {
-        scale,
-        locations: prediction.locations.iter().map(|&location| location * factor).collect(),
-        location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
-        ..prediction
-    }
-}
-
-fn predict_scaled(
-    hypothesis: Hypothesis,
-    spine: &Spine<'_>,
-    film: &HypothesisFilm<'_>,
-    log_multipliers: &[f64],
-    role: Role,
-) -> Predicted {
-    let found = film.under(hypothesis.load, spine).and_then(|mut loaded| {
-        let top = film.outline.vertebrae.last()?.location;
-        let near = nearest_t2(hypothesis, &mut loaded, log_multipliers, top, spine)?;
-        let springs = spine.with_multipliers(log_multipliers);
-        // From where the search has left it, so that no other equilibrium is shown.
-        let solved = loaded.solve(&springs, &near.components, near.base, Wanted::Shape);
-        solved.then_some((loaded, near))
-    });
-    let (loaded, near) = found.ok_or(PathEnding::NotConverged)?;
-    prediction(&loaded, film, role, spine, near.components, near.base)
-}
-
-/// The shape of a film under its loads, if a human spine can have it.
-pub(super) fn prediction(
-    loaded: &LoadedFilm,
-    film: &HypothesisFilm<'_>,
-    role: Role,
-    spine: &Spine<'_>,
-    components: Vec<f64>,
-    base: Angle,
-) -> Predicted {
-    if loaded.is_beyond_human_range(spine.springs.model) {
-        return Err(PathEnding::BeyondHumanRange);
-    }
-    let measured = &film.outline.vertebrae;
-    let locations: Vec<Frontal> = (0..measured.len()).map(|i| loaded.location(i)).collect();
-    let tilts: Vec<Angle> = (0..measured.len()).map(|i| loaded.tilt(i)).collect();
-    // The turns of joints between marked vertebrae.
-    let turned = || {
-        (1..measured.len()).filter(|&i| measured[i].is_measured() && measured[i - 1].is_measured())
-    };
-    let squares: f64 = turned()
-        .map(|i| {
-            // L4's tilt on a turned base is the base's; as it was read it is zero.
-            let simulated = tilts[i] - tilts[i - 1];
-            (simulated - (measured[i].tilt - measured[i - 1].tilt)).wrapped().rad().powi(2)
+        let measured = &film.outline.vertebrae;
+        let locations = (0..measured.len()).map(|i| loaded.location(i)).collect();
+        let tilts: Vec<Angle> = (0..measured.len()).map(|i| loaded.tilt(i)).collect();
+        Ok(ShapePrediction {
+            shape: FilmShape::new(locations, film.outline),
+            role,
+            against: against(loaded, film, &self.components),
+            components: self.components,
+            base: self.base,
+            rotation_rms: rotation_rms(film.outline, &tilts),
+            tilts,
         })
-        .sum();
-    let joints = turned().count() as f64;
-    Ok(ShapePrediction {
-        posture: film.outline.posture,
-        role,
-        scale: film.outline.length.scale,
-        against: against(loaded, film, &components),
-        components,
-        base,
-        location_errors_mm: location_errors_mm(&locations, film.outline),
-        locations,
-        tilts,
-        rotation_rms: Angle::from_rad((squares / joints).sqrt()),
-    })
+    }
+}
+
+/// Root mean square of the errors of the rotations of joints between marked vertebrae.
+fn rotation_rms(film: &Outline, tilts: &[Angle]) -> Angle {
+    let measured = &film.vertebrae;
+    let turned =
+        (1..measured.len()).filter(|&i| measured[i].is_measured() && measured[i - 1].is_measured());
+    let squares = turned.map(|i| {
+        // L4's tilt on a turned base is the base's; as it was read it is zero.
+        let simulated = tilts[i] - tilts[i - 1];
+        (simulated - (measured[i].tilt - measured[i - 1].tilt)).wrapped().rad().powi(2)
+    });
+    Angle::from_rad(mean(squares).unwrap_or(f64::NAN).sqrt())
 }
 
 /// Joints that turn against the moment of a load of given components.

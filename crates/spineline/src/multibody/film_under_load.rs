@@ -81,6 +81,12 @@ pub(crate) trait FilmUnderLoad {
         lateral_tilt: Angle,
     ) -> Option<f64>;
 
+    /// Components of the load, and the base's angle, which follows them where the base may turn.
+    fn split<'x>(&self, unknowns: &'x [f64]) -> (&'x [f64], Angle) {
+        let (components, base) = unknowns.split_at(self.components());
+        (components, Angle::from_rad(base.first().copied().unwrap_or(0.0)))
+    }
+
     /// A location as the film shows it.
     fn location(&self, vertebra: usize) -> Frontal {
         let still = self.solution().deformed.location(vertebra);

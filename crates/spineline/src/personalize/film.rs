@@ -74,13 +74,8 @@ impl<'a, F: FilmUnderLoad> FilmData<'a, F> {
 
     /// Equilibrium under the load's last value.
     pub fn solve_at_load(&mut self, springs: &F::Springs<'_>, wanted: Wanted) -> bool {
-        let (components, base) = split(&self.load, self.loaded.components());
+        let (components, base) = self.loaded.split(&self.load);
         self.loaded.solve(springs, components, base, wanted)
-    }
-
-    /// The components of the load, and the base's angle.
-    pub fn split(&self) -> (&[f64], Angle) {
-        split(&self.load, self.loaded.components())
     }
 
     /// Rows of its shape, and of the base's angle where that has a deviation.
@@ -184,11 +179,6 @@ impl<'a, F: FilmUnderLoad> FilmData<'a, F> {
             self.rows.whiten(column);
         }
     }
-}
-
-fn split(load: &[f64], components: usize) -> (&[f64], Angle) {
-    let base = load.get(components).copied().unwrap_or(0.0);
-    (&load[..components], Angle::from_rad(base))
 }
 
 /// A Ferguson angle counts in degrees.

@@ -1,3 +1,5 @@
+//! The outcome of a test.
+
 use super::SIGNIFICANCE;
 use crate::anatomy::named;
 

@@ -152,8 +152,9 @@ fn endings(analysis: &Analysis) -> Vec<(&'static str, LineKind, Option<Posture>)
             continue;
         }
         let lost = model.simulations.iter().filter(|simulation| !simulation.is_usable());
-        endings
-            .extend(lost.map(|s| (WarningCode::ForceNotFound.key(), model.kind, Some(s.posture))));
+        endings.extend(
+            lost.map(|s| (WarningCode::ForceNotFound.key(), model.kind, Some(s.shape.posture))),
+        );
     }
     endings
 }

@@ -336,7 +336,7 @@ impl AnalysisQuantity {
             Self::LineTilt(..) => line.lateral_tilt().deg(),
             Self::LineOffset(..) => sense * line.lever_arm_mm(found(nominal, posture)?.middle()),
             Self::Force(..) => sense * simulation.force_n,
-            Self::LocationError(..) => simulation.mean_location_error_mm(),
+            Self::LocationError(..) => simulation.shape.mean_location_error_mm(),
             Self::ContradictedJoints(..) => simulation.contradicted.len() as f64,
             Self::FergusonError(_, _, region) => {
                 simulation.ferguson_difference[region.index()].abs().deg()

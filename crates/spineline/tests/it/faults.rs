@@ -381,7 +381,7 @@ fn one_bend_alone_gives_models_fitted_to_it() {
     assert_eq!(kinds(&analysis), [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated]);
     for model in &analysis.models {
         let postures: Vec<(Posture, bool)> =
-            model.simulations.iter().map(|s| (s.posture, s.fitted)).collect();
+            model.simulations.iter().map(|s| (s.shape.posture, s.fitted)).collect();
         assert_eq!(postures, [(Posture::RightBending, true)]);
     }
     assert_eq!((analysis.movement.lenke, analysis.movement.mean_least_segments), (None, None));

@@ -38,7 +38,7 @@ fn place(level: Level) -> Frontal {
 #[track_caller]
 fn check_ending(analysis: &Analysis) {
     let simulation = simulation(analysis);
-    let numbers = [&simulation.location_errors_mm[..], &[simulation.force_n]].concat();
+    let numbers = [&simulation.shape.location_errors_mm[..], &[simulation.force_n]].concat();
     if simulation.is_usable() {
         assert!(numbers.iter().all(|number| number.is_finite()), "{numbers:?}");
     } else {
@@ -199,7 +199,7 @@ fn f47_rounding_of_inputs_changes_results_within_tolerance_only() {
         }
         for (x, y) in a.simulations.iter().zip(&b.simulations).filter(|(x, _)| x.is_usable()) {
             assert_near(x.force_n, y.force_n, 1e-6 * x.force_n.abs(), "force");
-            for (x, y) in x.location_errors_mm.iter().zip(&y.location_errors_mm) {
+            for (x, y) in x.shape.location_errors_mm.iter().zip(&y.shape.location_errors_mm) {
                 assert_near(*x, *y, 1e-6, "location error in mm");
             }
         }

@@ -4,7 +4,7 @@ use crate::common::{assert_near, outline, spine, usual_regions};
 use spineline::action::{LineError, LineOfAction};
 use spineline::anatomy::{Level, Levels, Posture};
 use spineline::error::Error;
-use spineline::evaluate::{ForceChoice, Target, simulate};
+use spineline::evaluate::{FilmUnderLine, ForceChoice, Target, simulate};
 use spineline::multibody::{
     FittedSprings, ForceSign, JointGroups, JointStiffness, Load, PathEnding, Residual, Statics,
     StiffnessError, StiffnessLibrary, Support, amplitude_matches, match_amplitude,
@@ -177,7 +177,8 @@ fn a_simulation_of_an_unreachable_amplitude_is_not_a_result() {
     let film = outline(Posture::RightBending, &vertebrae);
     let Load::Line { line, depth_mm } = load() else { unreachable!("a line") };
     let regions = usual_regions();
-    let end = simulate(&statics, line, depth_mm, &film, &regions, Target::Amplitude, true);
+    let film = FilmUnderLine { outline: &film, line, depth_mm };
+    let end = simulate(&statics, film, &regions, Target::Amplitude);
     assert_eq!(end.status, PathEnding::Unreachable);
     assert!(
         !end.is_usable() && end.alternatives.is_empty() && left_of(end.residual).abs().rad() > 0.01
@@ -207,7 +208,8 @@ fn of_several_forces_the_one_with_the_smallest_ferguson_error_is_chosen_and_repo
             let vertebrae: Vec<_> = (0..15).map(|i| (shape.location(i), shape.tilt(i))).collect();
             let film = outline(Posture::LeftBending, &vertebrae);
             let regions = usual_regions();
-            let end = simulate(&statics, line, depth_mm, &film, &regions, Target::Amplitude, true);
+            let film = FilmUnderLine { outline: &film, line, depth_mm };
+            let end = simulate(&statics, film, &regions, Target::Amplitude);
             assert_near(end.force_n, made.force_n, 1e-6 * made.force_n.abs().max(1.0), "force");
             assert_eq!((end.alternatives.len(), end.lost_forces), (within.len() - 1, 0));
             let alone = within.len() == 1;

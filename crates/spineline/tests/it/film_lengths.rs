@@ -120,9 +120,9 @@ fn predicted_vertebrae_give_no_scale() {
     let (first, second) = (of(&case), of(&moved));
     assert!(first.is_usable() && second.is_usable());
     // The force is relative to T2's place and the scale alone.
-    assert_near(second.scale.factor, first.scale.factor, 1e-6, "scale");
+    assert_near(second.shape.scale.factor, first.shape.scale.factor, 1e-6, "scale");
     assert_near(second.force_n, first.force_n, 1e-3 * first.force_n.abs(), "force");
-    assert!(second.mean_location_error_mm() > first.mean_location_error_mm() + 1.0);
+    assert!(second.shape.mean_location_error_mm() > first.shape.mean_location_error_mm() + 1.0);
 }
 
 #[test]
@@ -167,8 +167,12 @@ fn a_pattern_of_rotations_is_recognised_at_any_size_and_scale() {
     assert!(found.is_usable());
     let amount = found.amount.expect("a pattern");
     assert_near(amount, 2.3, 1e-3, "amount");
-    assert_near(found.scale.factor, 1.03, 1e-4, "scale");
-    assert!(found.mean_location_error_mm() < 0.05, "{}", found.mean_location_error_mm());
+    assert_near(found.shape.scale.factor, 1.03, 1e-4, "scale");
+    assert!(
+        found.shape.mean_location_error_mm() < 0.05,
+        "{}",
+        found.shape.mean_location_error_mm()
+    );
     // The whole outline gives the same scale.
     let length = FilmLength::of(&erect, &film, FilmLengthRule::default());
     assert_near(length.measured.factor, 1.03, 1e-9, "measured scale");

@@ -153,9 +153,9 @@ fn a_vertebra_hidden_on_one_bend_leaves_the_bend_in_the_fit() {
     for (a, b) in whole.models.iter().zip(&found.models) {
         let bend = b.simulation(Posture::LeftBending).expect("the bend is simulated");
         assert!(bend.fitted && bend.status == PathEnding::Converged, "{}", b.kind);
-        assert_eq!(bend.location_errors_mm.len(), 13, "the hidden vertebra is not compared");
-        assert_eq!(bend.location_error_mm(Level::T8), None);
-        assert!(bend.location_error_mm(Level::T7).is_some());
+        assert_eq!(bend.shape.location_errors_mm.len(), 13, "the hidden vertebra is not compared");
+        assert_eq!(bend.shape.location_error_mm(Level::T8), None);
+        assert!(bend.shape.location_error_mm(Level::T7).is_some());
         // Oracle: one of 28 vertebrae less changes a fit little.
         for (x, y) in a.multipliers().zip(b.multipliers()) {
             assert_near(y.ln(), x.ln(), 0.2, &format!("{}: ln of a multiplier", b.kind));
@@ -238,7 +238,10 @@ fn a_top_hidden_on_one_film_shortens_the_model_of_all() {
     for model in &found.models {
         assert_eq!(model.stiffness_nmm_per_rad(&found.movement.library).len(), 12);
         for simulation in &model.simulations {
-            assert_eq!((simulation.locations.len(), simulation.location_errors_mm.len()), (13, 12));
+            assert_eq!(
+                (simulation.shape.locations.len(), simulation.shape.location_errors_mm.len()),
+                (13, 12)
+            );
         }
     }
     assert!(found.models.iter().any(|model| model.kind == LineKind::Iliac));
@@ -298,7 +301,7 @@ fn spines_from_l3_to_t4_run_with_other_loads_and_per_joint() {
     assert!(!analysis.hypotheses.is_empty());
     for fit in &analysis.hypotheses {
         for prediction in &fit.predictions {
-            assert_eq!(prediction.location_errors_mm.len(), 10, "T9 is not compared");
+            assert_eq!(prediction.shape.location_errors_mm.len(), 10, "T9 is not compared");
         }
     }
 }

@@ -228,7 +228,7 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
                 .movement
                 .films
                 .iter()
-                .find(|p| p.outline.posture == found.posture)
+                .find(|p| p.outline.posture == found.shape.posture)
                 .expect("the film was analysed");
             let t2 = film.outline.vertebrae[14].location;
             let line = match load {
@@ -241,7 +241,7 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
             let expected = match_t2(&statics, &Load::along(line, 0.0), &ForceSign::BOTH, t2);
             let (force_n, expected_n) = (found.components[0], expected.force_n);
             let off = (force_n - expected_n).abs() / expected_n.abs();
-            assert!(off < 1e-6, "{load:?}, {}: {force_n} {expected_n}", found.posture);
+            assert!(off < 1e-6, "{load:?}, {}: {force_n} {expected_n}", found.shape.posture);
             compared += 1;
         }
     }

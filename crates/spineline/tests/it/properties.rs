@@ -121,7 +121,9 @@ fn assert_same_models(
             if !x.is_usable() {
                 continue;
             }
-            for (i, (x, y)) in x.location_errors_mm.iter().zip(&y.location_errors_mm).enumerate() {
+            for (i, (x, y)) in
+                x.shape.location_errors_mm.iter().zip(&y.shape.location_errors_mm).enumerate()
+            {
                 // A multiplier moves shapes of some hundred millimetres.
                 let limit_mm = 100.0 * tolerance;
                 assert_near(*y, scale * x, limit_mm, &format!("{kind}, {p}: error {i}"));

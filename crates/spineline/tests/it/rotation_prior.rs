@@ -86,7 +86,7 @@ fn a_prediction_is_the_most_probable_one() {
         let at = |rotations: &[f64], log: f64| {
             improbability(&prior, (&erect, &film), (rotations, log), baseline.knows_tilt())
         };
-        let log = found.scale.factor.ln();
+        let log = found.shape.scale.factor.ln();
         let least = at(&rotations, log);
         for joint in 0..14 {
             for step in [1e-4, -1e-4] {
@@ -113,7 +113,7 @@ fn the_tilt_of_t2_separates_rotation_from_scale() {
     let expected: f64 = truth.iter().sum();
     let [off_with, off_without] = [&with, &without].map(|one| (turn(one) - expected).abs());
     assert!(off_with < 0.25 * off_without, "{off_with} and {off_without} degrees");
-    assert!(with.mean_location_error_mm() < without.mean_location_error_mm());
+    assert!(with.shape.mean_location_error_mm() < without.shape.mean_location_error_mm());
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn learned_means_are_mirrored_for_a_bend_to_the_left() {
     for (found, expected) in found.rotations.iter().zip(&joints) {
         assert_near(found.deg(), *expected, 1e-6, "rotation in degrees");
     }
-    assert_near(found.scale.factor, 1.0, 1e-9, "scale");
+    assert_near(found.shape.scale.factor, 1.0, 1e-9, "scale");
 }
 
 #[test]

@@ -10,30 +10,35 @@ use crate::jobs::Computed;
 use crate::problem::Answer;
 
 pub fn csv(analysis: &Analysis, case: &Case, found: &Computed) -> Answer<Download> {
-    written((analysis, case, found), "-tables-csv.zip", "csv", |table| {
+    written(patient(analysis, case, found), "-tables-csv.zip", "csv", |table| {
         table.to_csv().map(String::into_bytes)
     })
 }
 
 pub fn parquet(analysis: &Analysis, case: &Case, found: &Computed) -> Answer<Download> {
     let origin = to_text(&provenance(analysis).of_listed_file());
-    written((analysis, case, found), "-tables-parquet.zip", "parquet", |table| {
+    written(patient(analysis, case, found), "-tables-parquet.zip", "parquet", |table| {
         table.to_parquet(&[("spineline.provenance", &origin)])
     })
 }
 
+fn patient<'a>(analysis: &'a Analysis, case: &'a Case, found: &'a Computed) -> Patient<'a> {
+    Patient {
+        analysis,
+        subject: &case.subject,
+        identifiability: found.identifiability(),
+        uncertainty: found.uncertainty(),
+    }
+}
+
 fn written(
-    (analysis, case, found): (&Analysis, &Case, &Computed),
+    patient: Patient<'_>,
     ending: &'static str,
     form: &str,
     write: impl Fn(&Table) -> Result<Vec<u8>, TableError>,
 ) -> Answer<Download> {
-    let patients = [Patient {
-        analysis,
-        subject: &case.subject,
-        identified: found.identifiability(),
-        spread: found.uncertainty(),
-    }];
+    let analysis = patient.analysis;
+    let patients = [patient];
     let mut files = Vec::new();
     for table in tables(&patients) {
         let bytes = write(&table).map_err(|error| internal(&error))?;

@@ -1,7 +1,7 @@
 //! A model under loads as the browser shows it.
 
 use spineline::analysis::Analysis;
-use spineline::evaluate::location_errors_mm;
+use spineline::evaluate::FilmShape;
 use spineline::multibody::{Deformed, Equilibrium, PathPoint, Timing};
 use spineline::number::fixed;
 use spineline::response::{ActingKind, CurveChange, acting_loads, erect_shape, measure_angles};
@@ -12,10 +12,10 @@ use spineline_report::document::Table;
 use spineline_report::loaded_tables::LoadedTables;
 
 use super::super::notices;
-use super::super::simulated::deformed_shape;
+use super::super::simulated::{deformed_shape, errors_by_level};
 use crate::api::{
-    FilmComparison, LevelError, LoadArrow, LoadFaultView, LoadStep, LoadedModel, LoadedView,
-    Notice, Severity, TextColumn, TextTable, Wire,
+    FilmComparison, LoadArrow, LoadFaultView, LoadStep, LoadedModel, LoadedView, Notice, Severity,
+    TextColumn, TextTable, Wire,
 };
 
 /// Maximum number of shapes that are sent; longer paths are thinned.
@@ -177,17 +177,11 @@ fn films(analysis: &Analysis, shape: &Deformed) -> Vec<FilmComparison> {
     let locations: Vec<Frontal> =
         (0..shape.midpoints_mm.len()).map(|vertebra| shape.location(vertebra)).collect();
     let compared = analysis.movement.films.iter().skip(1).filter_map(|posture| {
-        let film = &posture.outline;
-        let errors_mm = location_errors_mm(&locations, film);
-        let shown = film.measured().skip(1).map(|(_, vertebra)| vertebra.level);
-        let errors: Vec<LevelError> = shown
-            .zip(&errors_mm)
-            .map(|(level, &error_mm)| LevelError { level: level.to_string(), error_mm })
-            .collect();
-        (!errors.is_empty()).then(|| FilmComparison {
-            posture: Wire(film.posture),
-            mean_mm: errors_mm.iter().sum::<f64>() / errors_mm.len() as f64,
-            errors,
+        let found = FilmShape::new(locations.clone(), &posture.outline);
+        (!found.compared.is_empty()).then(|| FilmComparison {
+            posture: Wire(found.posture),
+            mean_mm: found.mean_location_error_mm(),
+            errors: errors_by_level(&found),
         })
     });
     compared.collect()

@@ -39,6 +39,8 @@ fn models_equal_those_of_the_exported_case() {
     let model = running.get("/api/studies/S1/model");
     assert_numbers(&model, "model");
     assert_eq!(model["synthetic"], true);
+    // The app compares this text.
+    assert_eq!(model["length_unit"], "mm (patient)");
     let population = analysis.movement.levels().iter().map(|_| "population");
     assert_eq!(model["pitch_from"], population.collect::<Value>());
     assert!(
@@ -73,7 +75,7 @@ fn models_equal_those_of_the_exported_case() {
             let first = points(&path[0]["midpoints_mm"]);
             assert!(farthest_mm(&first, &analysis.movement.spine.midpoints_mm) < SAME_MM);
             let last = points(&path[10]["midpoints_mm"]);
-            for (point, location) in last.iter().zip(&simulation.locations) {
+            for (point, location) in last.iter().zip(&simulation.shape.locations) {
                 assert!((point.y - location.y_mm).hypot(point.z - location.z_mm) < 1e-6);
             }
         }
