@@ -6,7 +6,7 @@ use spineline::analysis::Analysis;
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
-use super::{Ending, Job, Jobs, Work};
+use super::{Job, Jobs, Work};
 use crate::api::ComputationName;
 use crate::result_cache::StudyResult;
 
@@ -43,7 +43,7 @@ pub struct Computed(Vec<Arc<ComputationJob>>);
 impl Computed {
     /// The effect of landmark noise on the results.
     pub fn uncertainty(&self) -> Option<&Uncertainty> {
-        self.0.iter().find_map(|job| match found(job)? {
+        self.0.iter().find_map(|job| match job.found()? {
             Found::Replicates(found) => Some(&**found),
             _ => None,
         })
@@ -51,7 +51,7 @@ impl Computed {
 
     /// The identifiability of every multiplier, by model.
     pub fn identifiability(&self) -> Option<&[Option<Identifiability>]> {
-        self.0.iter().find_map(|job| match found(job)? {
+        self.0.iter().find_map(|job| match job.found()? {
             Found::Identifiability(found) => Some(&found[..]),
             _ => None,
         })
@@ -59,7 +59,7 @@ impl Computed {
 
     /// The analysis with other loads and bases.
     pub fn models(&self) -> Option<&Analysis> {
-        self.0.iter().find_map(|job| match found(job)? {
+        self.0.iter().find_map(|job| match job.found()? {
             Found::Models(found) => Some(&**found),
             _ => None,
         })
@@ -72,12 +72,5 @@ impl Jobs<ComputationName> {
         Computed(
             ComputationName::ALL.iter().filter_map(|name| self.of(result, name.key())).collect(),
         )
-    }
-}
-
-fn found(job: &ComputationJob) -> Option<&Found> {
-    match job.ending.get()? {
-        Ending::Done(found) => Some(found),
-        Ending::Cancelled | Ending::Failed(_) => None,
     }
 }

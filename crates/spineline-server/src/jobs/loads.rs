@@ -8,7 +8,7 @@ use spineline::response::{PadEffect, PadTrial};
 use spineline::uncertainty::{LandmarkNoise, LoadedUncertainty};
 use spineline_files::{Replicates, Request, Simulated};
 
-use super::{Ending, Job, Jobs, Work};
+use super::{Job, Jobs, Work};
 use crate::api::{LineKindName, PadMapRequest};
 use crate::result_cache::StudyResult;
 
@@ -84,7 +84,7 @@ impl Jobs<LoadIntervalWork> {
 impl LoadIntervalJob {
     /// The intervals for this load file only, and the request.
     pub fn found_of(&self, file: &str) -> Option<(&LoadedUncertainty, Request)> {
-        let Ending::Done(found) = self.ending.get()? else { return None };
+        let found = self.found()?;
         if self.work.file != file {
             return None;
         }

@@ -67,7 +67,7 @@ pub struct Job<W: Work> {
     /// Steps that are done.
     pub done: AtomicU64,
     /// How it ended.
-    pub ending: OnceLock<Ending<W::Found>>,
+    ending: OnceLock<Ending<W::Found>>,
     cancelled: AtomicBool,
 }
 
@@ -93,14 +93,16 @@ impl<W: Work> Job<W> {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Where it stands.
-    pub fn state(&self) -> ComputationState {
-        match self.ending.get() {
-            None => ComputationState::Running,
-            Some(Ending::Done(_)) => ComputationState::Done,
-            Some(Ending::Cancelled) => ComputationState::Cancelled,
-            Some(Ending::Failed(_)) => ComputationState::Failed,
-        }
+    /// Its result, once all steps are done.
+    pub fn found(&self) -> Option<&W::Found> {
+        let Ending::Done(found) = self.ending.get()? else { return None };
+        Some(found)
+    }
+
+    /// Why it failed.
+    pub fn failure(&self) -> Option<&String> {
+        let Ending::Failed(why) = self.ending.get()? else { return None };
+        Some(why)
     }
 
     /// Ends it with its result; `None` where it was cancelled.
@@ -112,6 +114,32 @@ impl<W: Work> Job<W> {
         };
         // A job runs once, so it was not ended before.
         let _ = self.ending.set(ending);
+    }
+}
+
+/// State of a job and number of its steps.
+pub struct Progress {
+    /// Running, or how it ended.
+    pub state: ComputationState,
+    /// Steps that are done.
+    pub done: u64,
+    /// Number of steps.
+    pub asked: u64,
+}
+
+impl Progress {
+    /// Of a job, if one was begun.
+    pub fn of<W: Work>(job: Option<&Job<W>>) -> Self {
+        let Some(job) = job else {
+            return Self { state: ComputationState::None, done: 0, asked: 0 };
+        };
+        let state = match job.ending.get() {
+            None => ComputationState::Running,
+            Some(Ending::Done(_)) => ComputationState::Done,
+            Some(Ending::Cancelled) => ComputationState::Cancelled,
+            Some(Ending::Failed(_)) => ComputationState::Failed,
+        };
+        Self { state, done: job.done.load(Ordering::Relaxed), asked: job.asked }
     }
 }
 

@@ -1,7 +1,5 @@
 //! Computations as the browser shows them.
 
-use std::sync::atomic::Ordering;
-
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::number::fixed;
@@ -10,36 +8,32 @@ use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Unc
 use spineline_report::document::Section;
 use spineline_report::patient::parts;
 
-use crate::api::{ComputationName, ComputationState, ComputationView, IntervalView};
-use crate::jobs::{ComputationJob, Ending, Found};
+use crate::api::{ComputationName, ComputationView, IntervalView};
+use crate::jobs::{ComputationJob, Found, Job, Progress};
 use crate::results::sections::section_view;
 
 /// State, progress and results of a computation.
 pub fn view(name: ComputationName, job: Option<&ComputationJob>) -> ComputationView {
+    let Progress { state, done, asked } = Progress::of(job);
     let mut view = ComputationView {
         name,
-        state: ComputationState::None,
-        done: 0,
-        asked: 0,
+        state,
+        done,
+        asked,
         intervals: Vec::new(),
         sections: Vec::new(),
-        texts: Vec::new(),
+        texts: job.and_then(Job::failure).cloned().into_iter().collect(),
     };
-    let Some(job) = job else { return view };
-    view.done = job.done.load(Ordering::Relaxed);
-    view.asked = job.asked;
-    view.state = job.state();
-    match job.ending.get() {
-        Some(Ending::Failed(why)) => view.texts = vec![why.clone()],
-        Some(Ending::Done(found)) => add(&mut view, job, found),
-        Some(Ending::Cancelled) | None => {}
+    // Computations exist only for analysed results.
+    if let Some((found, analysis)) =
+        job.and_then(|job| Some((job.found()?, job.result.analysis()?)))
+    {
+        add(&mut view, analysis, found);
     }
     view
 }
 
-fn add(view: &mut ComputationView, job: &ComputationJob, found: &Found) {
-    // Computations exist only for analysed results.
-    let Some(analysis) = job.result.analysis() else { return };
+fn add(view: &mut ComputationView, analysis: &Analysis, found: &Found) {
     let sections: Vec<Section> = match found {
         Found::Replicates(found) => {
             view.intervals = intervals(analysis, found);

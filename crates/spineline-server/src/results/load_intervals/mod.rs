@@ -3,7 +3,6 @@
 mod kept;
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use axum::extract::State;
 use spineline::uncertainty::{LoadedReplicate, LoadedUncertainty};
@@ -15,12 +14,9 @@ use super::background::{Task, in_turns, start};
 use super::computations::analysed;
 use super::computations::replicates::{BLOCK, checked, with_monte_carlo};
 use super::loads::{simulated_file, tables};
-use crate::api::{
-    ComputationState, LineKindName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView,
-    Problem,
-};
+use crate::api::{LineKindName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView, Problem};
 use crate::extract::{Json, Path};
-use crate::jobs::{Ending, Jobs, LoadIntervalJob, LoadIntervalWork};
+use crate::jobs::{Job, Jobs, LoadIntervalJob, LoadIntervalWork, Progress};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 use crate::state::AppState;
@@ -127,31 +123,24 @@ async fn all(state: &AppState, job: &Arc<LoadIntervalJob>) -> Answer<Option<Load
 
 /// State, progress and intervals.
 fn view(job: Option<&LoadIntervalJob>) -> LoadIntervalsView {
+    let Progress { state, done, asked } = Progress::of(job);
     let mut view = LoadIntervalsView {
-        state: ComputationState::None,
-        done: 0,
-        asked: 0,
-        file: String::new(),
+        state,
+        done,
+        asked,
+        file: job.map(|job| job.work.file.clone()).unwrap_or_default(),
         rows: Vec::new(),
-        texts: Vec::new(),
+        texts: job.and_then(Job::failure).cloned().into_iter().collect(),
     };
     let Some(job) = job else { return view };
-    view.done = job.done.load(Ordering::Relaxed);
-    view.asked = job.asked;
-    view.file.clone_from(&job.work.file);
-    view.state = job.state();
-    match (job.ending.get(), job.result.analysis()) {
-        (Some(Ending::Failed(why)), _) => view.texts.push(why.clone()),
-        (Some(Ending::Done(found)), Some(analysis)) => {
-            let rows = tables(analysis, &job.work.simulated, Some(found)).intervals();
-            let row = |(label, intervals): (String, [String; 3])| LoadIntervalRow {
-                label,
-                intervals: intervals.to_vec(),
-            };
-            view.rows = rows.into_iter().map(row).collect();
-            view.texts = found.words();
-        }
-        _ => {}
+    if let (Some(found), Some(analysis)) = (job.found(), job.result.analysis()) {
+        let rows = tables(analysis, &job.work.simulated, Some(found)).intervals();
+        let row = |(label, intervals): (String, [String; 3])| LoadIntervalRow {
+            label,
+            intervals: intervals.to_vec(),
+        };
+        view.rows = rows.into_iter().map(row).collect();
+        view.texts = found.words();
     }
     view
 }

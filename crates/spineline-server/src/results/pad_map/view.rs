@@ -1,7 +1,5 @@
 //! The map of pads as the browser shows it.
 
-use std::sync::atomic::Ordering;
-
 use spineline::anatomy::Side;
 use spineline::multibody::Timing;
 use spineline::number::{fixed, signed};
@@ -9,39 +7,29 @@ use spineline::response::{CurveChange, PadEffect, PadTrial};
 use spineline::spatial::Angle;
 use spineline_files::AppliedLoad;
 
-use crate::api::{
-    ComputationState, FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire,
-};
-use crate::jobs::{Ending, PadMapJob, PadMapWork};
+use crate::api::{FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire};
+use crate::jobs::{Job, PadMapJob, PadMapWork, Progress};
 
 /// Equal steps of the force up to the largest one.
 pub const STEPS: u32 = 4;
 
 /// State, progress and map of a computation.
 pub fn view(job: Option<&PadMapJob>) -> PadMapView {
+    let Progress { state, done, asked } = Progress::of(job);
     let mut view = PadMapView {
-        state: ComputationState::None,
-        done: 0,
-        asked: 0,
-        largest_force: None,
+        state,
+        done,
+        asked,
+        largest_force: job.map(|job| job.work.request.largest_force),
         columns: Vec::new(),
         rows: Vec::new(),
-        texts: Vec::new(),
+        texts: job.and_then(Job::failure).cloned().into_iter().collect(),
     };
-    let Some(job) = job else { return view };
-    view.done = job.done.load(Ordering::Relaxed);
-    view.asked = job.asked;
-    view.largest_force = Some(job.work.request.largest_force);
-    view.state = job.state();
-    match job.ending.get() {
-        Some(Ending::Failed(why)) => view.texts.push(why.clone()),
-        Some(Ending::Done(found)) => {
-            let map = Map { job, largest_rad: largest_rad(found) };
-            view.columns = columns(&job.work.trials);
-            view.rows = map.rows(found);
-            view.texts = texts(&job.work, found);
-        }
-        Some(Ending::Cancelled) | None => {}
+    if let Some((job, found)) = job.and_then(|job| Some((job, job.found()?))) {
+        let map = Map { job, largest_rad: largest_rad(found) };
+        view.columns = columns(&job.work.trials);
+        view.rows = map.rows(found);
+        view.texts = texts(&job.work, found);
     }
     view
 }
