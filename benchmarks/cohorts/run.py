@@ -35,13 +35,25 @@ def synthetic_patients(program, folder, count):
     return [json.loads(file.read_text(encoding="utf-8")) for file in files[:count]]
 
 
+def with_moved_corner(reading, hundredths):
+    """The reading with one corner moved by hundredths of a pixel: a cohort refuses a patient with the landmarks of another one."""
+    base = reading["vertebrae"]["L4"]
+    column, row = base["superior_left"]
+    moved = base | {"superior_left": [column + hundredths / 100, row]}
+    return reading | {"vertebrae": reading["vertebrae"] | {"L4": moved}}
+
+
 def write_cases(patients, folder, count, readings=None):
     """Case files in one folder: the patients again and again under other names; with fewer readings where asked."""
     folder.mkdir(parents=True)
     paths = [folder / f"patient-{number:06}.json" for number in range(1, count + 1)]
     for number, path in enumerate(paths):
         case = patients[number % len(patients)] | {"case_id": path.stem}
-        films = [film | {"readings": film["readings"][:readings]} for film in case["films"]]
+        again = number // len(patients)
+        films = [
+            film | {"readings": [with_moved_corner(one, again) for one in film["readings"][:readings]]}
+            for film in case["films"]
+        ]
         path.write_text(json.dumps(case | {"films": films}), encoding="utf-8")
     return paths
 

@@ -5,7 +5,7 @@ from statistics import median
 TASKS = {
     "equilibrium": "One equilibrium, from the erect spine",
     "equilibrium_near": "One equilibrium, from that at 95 % of the force",
-    "amplitude": "The smallest positive force that gives a lean",
+    "amplitude": "The smallest positive force that gives a lateral tilt",
     "personalisation": "Personalisation: three multipliers and two forces from two bends",
 }
 TASKS_OF = {"pinocchio C++": ("equilibrium", "equilibrium_near")}

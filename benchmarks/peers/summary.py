@@ -7,7 +7,7 @@ import report
 ROWS = {
     "equilibrium": "One equilibrium under a line; Spineline: explicit march",
     "equilibrium_near": "The same by general Newton, from that at 95 % of the force",
-    "amplitude": "The smallest force that gives a lean",
+    "amplitude": "The smallest force that gives a lateral tilt",
     "personalisation": "Personalisation from two bends",
 }
 ENGINES = {
