@@ -95,13 +95,10 @@ impl Client {
     pub fn retrieve(&self, archive: &Archive, of: &FilmUid) -> Result<Vec<u8>, DicomwebError> {
         let (study, series) = (of.series.study(), of.series.series());
         let path = format!("studies/{study}/series/{series}/instances/{}", of.instance());
-        let Limits { film, film_bytes, .. } = self.limits;
-        // The head of the part comes in addition to the film.
-        let Answer { kind, body, .. } =
-            self.get(archive, &path, &[], (DICOM, film, film_bytes + (1 << 16)))?;
+        let Answer { kind, body, .. } = self.get(archive, &path, &[], Wanted::Film)?;
         let bytes = only_part(&kind, body).map_err(|what| bad(archive, what))?;
-        if bytes.len() as u64 > film_bytes {
-            return Err(too_large(archive, film_bytes));
+        if bytes.len() as u64 > self.limits.film_bytes {
+            return Err(too_large(archive, self.limits.film_bytes));
         }
         Ok(bytes)
     }
@@ -119,8 +116,7 @@ impl Client {
         let fields = fields.iter().map(|field| ("includefield", *field));
         let query: Vec<(&str, &str)> =
             asked.iter().copied().chain(fields).chain([("limit", most.as_str())]).collect();
-        let Limits { search, search_bytes, .. } = self.limits;
-        let answer = self.get(archive, path, &query, (JSON, search, search_bytes))?;
+        let answer = self.get(archive, path, &query, Wanted::Entries)?;
         let entries = entries(&answer.body).map_err(|what| bad(archive, what))?;
         let all = entries.iter().take(MAX_FOUND).map(read).collect::<Result<_, _>>();
         Ok(Found {
@@ -135,8 +131,14 @@ impl Client {
         archive: &Archive,
         path: &str,
         query: &[(&str, &str)],
-        (accept, limit, limit_bytes): (&str, Duration, u64),
+        wanted: Wanted,
     ) -> Result<Answer, DicomwebError> {
+        let Limits { search, search_bytes, film, film_bytes, .. } = self.limits;
+        let (accept, limit, limit_bytes) = match wanted {
+            Wanted::Entries => (JSON, search, search_bytes),
+            // The head of the part comes in addition to the film.
+            Wanted::Film => (DICOM, film, film_bytes + (1 << 16)),
+        };
         let fail = |error: ureq::Error| failed(archive, &error, limit, limit_bytes);
         let mut request = self.agent.get(archive.address(path)).header("accept", accept);
         // Escaped: the user's input can only be a value.
@@ -153,6 +155,15 @@ impl Client {
         let body = answer.body_mut().with_config().limit(limit_bytes).read_to_vec();
         Ok(Answer { kind, has_more, body: body.map_err(fail)? })
     }
+}
+
+/// The content of an answer that is asked for.
+#[derive(Clone, Copy)]
+enum Wanted {
+    /// Entries of a search.
+    Entries,
+    /// The file of a film.
+    Film,
 }
 
 /// An answer of an archive.

@@ -74,8 +74,8 @@ pub use reliability_file::ReliabilityFile;
 pub use request::{Replicates, Request};
 pub use rotation_prior_file::{RotationPriorFile, StoredRotationPrior, parse_rotation_prior};
 pub use schemas::{schema, schema_names};
-pub use simulated::{Simulated, SimulationError};
-pub use simulation_file::{SimulationFile, SimulationWarning};
+pub use simulated::{Simulated, SimulationError, SimulationWarning};
+pub use simulation_file::SimulationFile;
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
 pub use table_text::{
     column_name, decode_text, guarded, is_no_number, starts_formula, stated_separator, unguarded,

@@ -1,20 +1,17 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::{Level, Region};
-use spineline::clinical::CurvePlaces;
 use spineline::multibody::{Deformed, Goal, PathPoint, Timing};
 use spineline::response::{
-    GoalEquilibrium, Response, SignedPath, SpineAngles, direction_word, erect_shape, measure_angles,
+    GoalEquilibrium, SignedPath, SpineAngles, direction_word, erect_shape, measure_angles,
 };
 use spineline::spatial::{Mat3, Vec3};
 use spineline::uncertainty::LoadedUncertainty;
-use spineline::warning::WarningCode;
 
 use crate::keys::{ByLevel, JointKey};
 use crate::simulation_uncertainty::SimulationUncertainty;
-use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance};
+use crate::{AppliedLoad, Provenance, Simulated, SimulationWarning};
 
 /// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
@@ -68,24 +65,6 @@ enum GoalRecord {
     FullLoad,
     /// A lateral tilt of the line from L4 to T2.
     LateralTilt { lateral_tilt_right_deg: f64 },
-}
-
-/// A warning of a simulation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct SimulationWarning {
-    /// Which warning it is.
-    pub code: WarningCode,
-    /// What happened and what to do, as text.
-    pub message: String,
-}
-
-impl SimulationWarning {
-    /// A warning with its stable code.
-    #[must_use]
-    pub fn new(code: WarningCode, message: impl Into<String>) -> Self {
-        Self { code, message: message.into() }
-    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -183,46 +162,6 @@ struct PathRecord {
 }
 
 impl SimulationFile {
-    /// The file of a model's response to loads, with angles measured between given vertebrae.
-    #[must_use]
-    pub fn new(
-        model: &PersonalisedModel,
-        loads: (&LoadFile, &PlacedLoads),
-        places: &[CurvePlaces],
-        response: &Response,
-        warnings: Vec<SimulationWarning>,
-        generator: &str,
-    ) -> Self {
-        let (load_file, placed) = loads;
-        let writer = Writer { model, placed, places };
-        let goal = match response.goal {
-            Goal::FullLoad => GoalRecord::FullLoad,
-            Goal::LateralTilt(tilt) => {
-                GoalRecord::LateralTilt { lateral_tilt_right_deg: tilt.deg() }
-            }
-        };
-        Self {
-            format: "spineline-simulation".to_owned(),
-            version: 1,
-            generator: generator.to_owned(),
-            provenance: None,
-            case_id: model.case_id.clone(),
-            synthetic: model.synthetic,
-            absolute: model.absolute,
-            force_unit: if model.absolute { "N" } else { "relative" }.to_owned(),
-            status: response.ending.key().to_owned(),
-            goal,
-            largest_factor: response.largest_factor,
-            loads: load_file.loads.clone(),
-            erect: writer.angles(&erect_shape(&model.spine)),
-            equilibria: response.equilibria.iter().map(|met| writer.equilibrium(met)).collect(),
-            events: response.paths.iter().flat_map(events).collect(),
-            path: response.paths.iter().flat_map(|signed| writer.path(signed)).collect(),
-            warnings,
-            uncertainty: None,
-        }
-    }
-
     /// The same file with the results of replicates under the loads.
     #[must_use]
     pub fn with_uncertainty(mut self, found: &LoadedUncertainty) -> Self {
@@ -248,16 +187,41 @@ fn events(signed: &SignedPath) -> impl Iterator<Item = EventRecord> {
     })
 }
 
-/// Data for all records.
-struct Writer<'a> {
-    model: &'a PersonalisedModel,
-    placed: &'a PlacedLoads,
-    places: &'a [CurvePlaces],
-}
+impl Simulated {
+    /// The simulation as a file.
+    #[must_use]
+    pub fn file(&self, generator: &str) -> SimulationFile {
+        let (model, response) = (&self.model, &self.response);
+        let goal = match response.goal {
+            Goal::FullLoad => GoalRecord::FullLoad,
+            Goal::LateralTilt(tilt) => {
+                GoalRecord::LateralTilt { lateral_tilt_right_deg: tilt.deg() }
+            }
+        };
+        SimulationFile {
+            format: "spineline-simulation".to_owned(),
+            version: 1,
+            generator: generator.to_owned(),
+            provenance: None,
+            case_id: model.case_id.clone(),
+            synthetic: model.synthetic,
+            absolute: model.absolute,
+            force_unit: if model.absolute { "N" } else { "relative" }.to_owned(),
+            status: response.ending.key().to_owned(),
+            goal,
+            largest_factor: response.largest_factor,
+            loads: self.loads.loads.clone(),
+            erect: self.angles(&erect_shape(&model.spine)),
+            equilibria: response.equilibria.iter().map(|met| self.equilibrium(met)).collect(),
+            events: response.paths.iter().flat_map(events).collect(),
+            path: response.paths.iter().flat_map(|signed| self.path(signed)).collect(),
+            warnings: self.warnings.clone(),
+            uncertainty: None,
+        }
+    }
 
-impl Writer<'_> {
     fn angles(&self, shape: &Deformed) -> AnglesRecord {
-        let SpineAngles { lateral_tilt: tilt, curves, .. } = measure_angles(shape, self.places);
+        let SpineAngles { lateral_tilt: tilt, curves, .. } = measure_angles(shape, &self.places);
         AnglesRecord {
             lateral_tilt_right_deg: tilt.deg(),
             cobb_deg: curves.iter().filter_map(|c| Some((c.region, c.ends.cobb?.deg()))).collect(),

@@ -222,7 +222,7 @@ fn annotations(film: &Film, picture: &str) -> Result<Vec<ExportedFile>, Landmark
     let (image, iliac_crests, readings) = corners(film)?;
     let files = readings.iter().enumerate().map(|(place, reading)| {
         let identity = Identity::of_film(film.posture).with_reading(&reading.id);
-        let text = labelme::write(identity, (image, picture), iliac_crests, reading);
+        let text = labelme::write(identity, image, picture, iliac_crests, reading);
         let name = format!("{}-{}.json", film.posture.key(), place + 1);
         ExportedFile { name, bytes: text.into_bytes() }
     });

@@ -181,7 +181,8 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
             CalibrationType::Fiducial => SpacingSource::Fiducial,
             CalibrationType::Geometry => SpacingSource::Geometry,
         };
-        compare_with_imager(pixel, imager, magnification, &mut remarks);
+        let factor = magnification.map(|(factor, _)| factor);
+        compare_with_imager(pixel, imager, factor, &mut remarks);
         Some((pixel, SpacingPlane::Patient, source))
     } else if let Some((imager, (factor, source))) = imager.zip(magnification) {
         let reduced = imager.map(|mm| mm / factor);
@@ -312,11 +313,11 @@ fn magnification(
 fn compare_with_imager(
     pixel: [f64; 2],
     imager: Option<[f64; 2]>,
-    magnification: Option<(f64, SpacingSource)>,
+    magnification: Option<f64>,
     remarks: &mut Vec<SpacingRemark>,
 ) {
     let Some(imager) = imager else { return };
-    if let Some((factor, _)) = magnification {
+    if let Some(factor) = magnification {
         let ratio = pixel[1] * factor / imager[1];
         if (ratio - 1.0).abs() > 0.05 {
             remarks.push(SpacingRemark::SpacingsDisagree { ratio });

@@ -77,7 +77,8 @@ pub(crate) struct Springs {
 impl Springs {
     pub fn draw(
         build: &Build,
-        (vertebra_s_mm, inflection_s_mm): (&[f64], [f64; 2]),
+        vertebra_s_mm: &[f64],
+        inflection_s_mm: [f64; 2],
         rng: &mut ChaCha12Rng,
     ) -> Self {
         let place = Place { vertebra_s_mm, inflection_s_mm };

@@ -162,7 +162,7 @@ impl ErectSpine {
         let turns_rad =
             (0..SEGMENTS).map(|k| tilts[k] - if k == 0 { 0.0 } else { tilts[k - 1] }).collect();
         let vertebra_s_mm = vertebra_s_mm(length_mm);
-        let springs = Springs::draw(build, (&vertebra_s_mm, inflection_s_mm), rng);
+        let springs = Springs::draw(build, &vertebra_s_mm, inflection_s_mm, rng);
         Ok(Self { length_mm, turns_rad, vertebra_s_mm, inflection_s_mm, springs })
     }
 

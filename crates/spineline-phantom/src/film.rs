@@ -110,7 +110,7 @@ pub(crate) fn read_films(
     let (films, true_films) = postures
         .iter()
         .map(|posture| {
-            let placed = Placed::new(row, (scale, &wedges), posture, rng);
+            let placed = Placed::new(row, scale, &wedges, posture, rng);
             (placed.read(readers, rng), placed.true_film(row, look.next_u64()))
         })
         .unzip();
@@ -146,7 +146,8 @@ struct Placed {
 impl Placed {
     fn new(
         row: &TableRow,
-        (scale, wedges): (f64, &[Angle]),
+        scale: f64,
+        wedges: &[Angle],
         posture: &TruePosture,
         rng: &mut ChaCha12Rng,
     ) -> Self {
@@ -164,7 +165,7 @@ impl Placed {
             .into_iter()
             .zip(stands.iter().zip(wedges))
             .map(|(level, (&(location, tilt), &wedge))| {
-                (level, body(level, (location, tilt), wedge, scale), tilt)
+                (level, body(level, location, tilt, wedge, scale), tilt)
             })
             .collect();
         let crests = [1.0, -1.0].map(|left| {
@@ -260,7 +261,7 @@ fn neighbours(stands: &[(Frontal, Angle)], scale: f64) -> [Body; 2] {
             if level < from { (-1.0, level, from) } else { (1.0, from, level) };
         let way = sense * scale * proportions::spacing_mm(low, high);
         let location = location + Frontal::leaning(tilt + turn * 0.5) * way;
-        (level, body(level, (location, tilt + turn), Angle::ZERO, scale), tilt + turn)
+        (level, body(level, location, tilt + turn, Angle::ZERO, scale), tilt + turn)
     };
     let turn = (stands[last].1 - stands[last - 1].1) * 0.5;
     [
@@ -314,7 +315,8 @@ fn erect_wedges(postures: &[TruePosture]) -> Vec<Angle> {
 /// endplates and the mean direction of its endplates have its tilt.
 fn body(
     level: Level,
-    (location, tilt): (Frontal, Angle),
+    location: Frontal,
+    tilt: Angle,
     wedge: Angle,
     scale: f64,
 ) -> Corners<Frontal> {

@@ -42,8 +42,8 @@ impl LoadedTables<'_> {
             Table::new("", vec![Column::words("Shape under load"), Column::words("Value")]);
         let mut add = |name: &str, value: String| table.row(vec![name.to_owned(), value]);
         add("Factor of proportional loads", fixed(result.factor, 6));
-        let factor = (LoadedQuantity::Factor, LoadedState::Loaded);
-        let interval = self.uncertainty.map(|found| interval_words(found, factor, ""));
+        let (factor, loaded) = (LoadedQuantity::Factor, LoadedState::Loaded);
+        let interval = self.uncertainty.map(|found| interval_words(found, factor, loaded, ""));
         if let Some(interval) = interval.filter(|words| !words.is_empty()) {
             add(&format!("  {INTERVAL}"), interval);
         }
@@ -158,7 +158,7 @@ impl LoadedTables<'_> {
     fn interval_words(&self, measure: &LoadedMeasure) -> Option<[String; 3]> {
         let found = self.uncertainty?;
         let numbers = measure_words(measure);
-        let words = |state, number: &str| interval_words(found, (measure.quantity, state), number);
+        let words = |state, number: &str| interval_words(found, measure.quantity, state, number);
         let words = std::array::from_fn(|i| words(LoadedState::ALL[i], &numbers[i]));
         words.iter().any(|words| !words.is_empty()).then_some(words)
     }

@@ -55,7 +55,8 @@ fn size_words(deg: f64) -> String {
 /// The change of a curve is the change of its size, in the direction of the erect curve.
 pub(crate) fn interval_words(
     found: &LoadedUncertainty,
-    (quantity, state): (LoadedQuantity, LoadedState),
+    quantity: LoadedQuantity,
+    state: LoadedState,
     number: &str,
 ) -> String {
     let interval = |state| found.of(quantity, state).and_then(|number| number.interval_95());
@@ -130,7 +131,7 @@ mod tests {
             noise: Vec::new(),
             numbers: vec![one(LoadedState::Erect, Some(erect)), one(state, None)],
         };
-        interval_words(&found, (quantity, state), number)
+        interval_words(&found, quantity, state, number)
     }
 
     #[test]

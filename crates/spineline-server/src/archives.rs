@@ -94,7 +94,7 @@ async fn open(
     log(&state, &user, "retrieve", asked.archive).await?;
     let room = state.films().uploads.reserve(&user.name, bytes.len() as u64, state.now())?;
     let is_asked = |found: &FilmFile| archives.check(&archive, &film, found);
-    stage(&state, &user, (room, bytes), is_asked).await.map(Json)
+    stage(&state, &user, room, bytes, is_asked).await.map(Json)
 }
 
 /// Logs who queried an archive, but not for which patient.

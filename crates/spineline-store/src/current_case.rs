@@ -142,8 +142,10 @@ impl Store {
                     let hand = readings.iter().find(|record| record.id == reading);
                     let object = || reading.to_string();
                     let hand = hand.ok_or_else(|| StoreError::Unknown { object: object() })?;
-                    let chosen = self.beside(&snapshot, (hand, film.view), pending, &of_film)?;
                     if hand.film == film.id {
+                        let events = journal::events(&snapshot, hand.id)?;
+                        let state = journal::replayed(hand, film.view, events, pending)?;
+                        let chosen = vec![(hand, state)];
                         let others = self.finished(&snapshot, &of_film)?.into_iter();
                         let others = others.filter(|(other, _)| {
                             other.id != hand.id && Some(other.id) != hand.corrects
@@ -153,8 +155,10 @@ impl Store {
                         if let AssembledFilm::Frontal(film) = assembly::film(&film, &all)? {
                             compared = Some(ComparedReading { id, film });
                         }
+                        chosen
+                    } else {
+                        self.beside(&snapshot, hand, &of_film)?
                     }
-                    chosen
                 }
             };
             let marked: BTreeSet<Level> =
@@ -184,18 +188,13 @@ impl Store {
         finished.map(|&reading| Ok((reading, self.state_of(connection, reading)?))).collect()
     }
 
-    /// The readings used for a film of this view beside an open reading, which may be of the same film.
+    /// The readings used for a film beside an open reading of another film.
     fn beside<'r>(
         &self,
         connection: &Connection,
-        (hand, view): (&ReadingRecord, FilmView),
-        pending: &[Event],
+        hand: &ReadingRecord,
         of_film: &[&'r ReadingRecord],
     ) -> Result<Read<'r>, StoreError> {
-        if let Some(&own) = of_film.iter().find(|reading| reading.id == hand.id) {
-            let events = journal::events(connection, own.id)?;
-            return Ok(vec![(own, journal::replayed(own, view, events, pending)?)]);
-        }
         let is_own = |reading: &&ReadingRecord| {
             reading.observer == hand.observer && reading.withdrawn.is_none()
         };

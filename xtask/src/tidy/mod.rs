@@ -59,8 +59,8 @@ pub fn run(root: &Path) -> Result<(), String> {
     let core = root.join("crates/spineline/src");
     for file in sources(&core)? {
         check_purity(&core, &file, &mut faults)?;
-        check_parameters(&core, &file, &mut faults)?;
     }
+    check_parameters(root, &mut faults)?;
     check_places(root, &mut faults)?;
     order::check(root, &mut faults)?;
     panics::check(root, &mut faults)?;
@@ -95,34 +95,19 @@ fn check_purity(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<()
     Ok(())
 }
 
-/// A parameter of the core is one thing: a tuple of several needs a type with a name.
-fn check_parameters(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<(), String> {
-    let inside = file.strip_prefix(core).map_err(|error| error.to_string())?;
-    for (number, line) in read(file)?.lines().enumerate() {
-        if has_tuple_parameter(line) {
-            let place = format!("{}:{}", inside.display(), number + 1);
-            faults.push(format!(
-                "{place}: a parameter is taken apart as a tuple: give its parts, or name a type"
-            ));
-        }
-    }
+/// A parameter is one thing: a tuple of several needs a type with a name.
+fn check_parameters(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
+    let found = places_of(root, has_tuple_parameter)?;
+    faults.extend(found.iter().map(|(place, number)| {
+        format!(
+            "{place}:{number}: a parameter is taken apart as a tuple: give its parts, or name a type"
+        )
+    }));
     Ok(())
 }
 
-/// Whether a formatted line of a signature destructures a parameter, as `(a, b): (A, B)`; closures may.
-fn has_tuple_parameter(line: &str) -> bool {
-    let code = line.trim_start();
-    let is_name = |c: char| c.is_alphanumeric() || "_, &".contains(c);
-    let is_pattern = |(at, _): (usize, &str)| {
-        let inside = code[at + 1..].split_once("): ");
-        inside.is_some_and(|(names, _)| names.contains(',') && names.chars().all(is_name))
-    };
-    let is_signature = code.starts_with('(') || code.contains("fn ");
-    is_signature && !code.contains('|') && code.match_indices('(').any(is_pattern)
-}
-
-/// A number in a text for people goes through the one formatter. Tests are free.
-fn check_places(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
+/// File and number of every line of code in the crates that has a fault. Tests are free.
+fn places_of(root: &Path, has_fault: fn(&str) -> bool) -> Result<Vec<(String, usize)>, String> {
     let mut found = Vec::new();
     for file in sources(&root.join("crates"))? {
         let place = file.strip_prefix(root).unwrap_or(&file).display().to_string();
@@ -132,11 +117,35 @@ fn check_places(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
         let text = read(&file)?;
         let is_code = |line: &str| !line.trim_start().starts_with("//");
         for (number, line) in imports::without_tests(&text).lines().enumerate() {
-            if is_code(line) && has_places(line) {
+            if is_code(line) && has_fault(line) {
                 found.push((place.clone(), number + 1));
             }
         }
     }
+    Ok(found)
+}
+
+/// Whether a formatted line of a signature destructures a parameter, as `(a, b): (A, B)`; closures and conversions may.
+fn has_tuple_parameter(line: &str) -> bool {
+    let code = line.trim_start();
+    let is_name = |c: char| c.is_alphanumeric() || "_, &".contains(c);
+    let is_pattern = |(at, _): (usize, &str)| {
+        let inside = code[at + 1..].split_once("): ");
+        inside.is_some_and(|(names, rest)| {
+            let is_tuple = rest.trim_start_matches('&').starts_with('(');
+            is_tuple && names.contains(',') && names.chars().all(is_name)
+        })
+    };
+    let is_signature = code.starts_with('(') || code.contains("fn ");
+    is_signature
+        && !code.contains("fn from(")
+        && !code.contains('|')
+        && code.match_indices('(').any(is_pattern)
+}
+
+/// A number in a text for people goes through the one formatter.
+fn check_places(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
+    let mut found = places_of(root, has_places)?;
     for listed in WITH_PLACES.iter().filter(|listed| found.iter().all(|one| one.0 != **listed)) {
         faults.push(format!("{listed}: it sets no places of a number, and `WITH_PLACES` lists it"));
     }
@@ -218,6 +227,8 @@ mod tests {
             "    pair: (A, B),",
             "fn f(a: A, b: (B, C)) -> D {",
             "let f = |(a, b): (A, B)| a;",
+            "fn from((a, b): (A, B)) -> Self {",
+            "fn f((a, b): Pair) -> A {",
         ];
         assert!(!others.iter().any(|line| has_tuple_parameter(line)));
     }

@@ -8,7 +8,7 @@ use spineline_files::Replicates;
 use spineline_report::document::{Notice, NoticeKind};
 
 use crate::run::failure::Failure;
-use crate::run::threads::stream_while;
+use crate::run::threads::stream_all;
 use crate::run::{interrupt, progress};
 
 /// Runs the requested replicates. Ctrl-C ends them early, and the finished ones count.
@@ -28,21 +28,21 @@ pub fn run_replicates(
     Ok(tally.finish(asked.count))
 }
 
-/// The same for a model under loads; `measures` are the nominal results.
+/// Runs these replicates of a model under loads; `measures` are the nominal results.
 ///
 /// # Errors
-/// As [`run_replicates`].
+/// If the threads cannot be started.
 pub fn run_loaded_replicates(
-    (case, nominal): (&Case, &Analysis),
-    (loads, measures): (&AppliedLoads<'_>, &[LoadedMeasure]),
-    asked: &Replicates,
+    monte_carlo: &MonteCarlo<'_>,
+    loads: &AppliedLoads<'_>,
+    measures: &[LoadedMeasure],
+    count: u64,
     threads: usize,
 ) -> Result<LoadedUncertainty, Failure> {
-    let monte_carlo = monte_carlo(case, nominal, asked)?;
     let mut tally = monte_carlo.loaded_tally(measures);
     let one = |index| monte_carlo.loaded_replicate(index, loads);
-    in_order(asked.count, threads, one, |replicate| tally.add(replicate))?;
-    Ok(tally.finish(asked.count))
+    in_order(count, threads, one, |replicate| tally.add(replicate))?;
+    Ok(tally.finish(count))
 }
 
 /// How many replicates count, where Ctrl-C has ended them early.
@@ -58,7 +58,11 @@ pub fn interruption(case_id: &str, done: u64, asked: u64) -> Notice {
     }
 }
 
-fn monte_carlo<'a>(
+/// Prepares the requested replicates.
+///
+/// # Errors
+/// If the noise cannot be applied to this case.
+pub fn monte_carlo<'a>(
     case: &Case,
     nominal: &'a Analysis,
     asked: &Replicates,
@@ -78,14 +82,9 @@ fn in_order<R: Send>(
     let count = usize::try_from(asked).unwrap_or(usize::MAX);
     let bar = progress::bar("replicates", count);
     let run = |index| one(index as u64);
-    stream_while(
-        &bar,
-        (count, threads),
-        || !interrupt::is_requested(),
-        run,
-        |replicate| {
-            add(&replicate);
-            Ok(())
-        },
-    )
+    let numbers = (0..count).take_while(|_| !interrupt::is_requested());
+    stream_all(&bar, numbers, threads, run, |replicate| {
+        add(&replicate);
+        Ok(())
+    })
 }

@@ -17,7 +17,8 @@ use crate::run::failure::Failure;
 pub fn add_case(
     store: &mut Store,
     at: &Path,
-    (path, accept): (&Path, bool),
+    path: &Path,
+    accept: bool,
     by: &Signature,
 ) -> Result<Lines, Failure> {
     let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;

@@ -61,8 +61,9 @@ pub fn map_all<T: Sync, R: Send>(
 /// Results per thread that may wait for an earlier one in [`stream_all`]: few, because Ctrl-C waits for them.
 const HELD_PER_THREAD: usize = 16;
 
-/// Runs a function on all numbers below `count` in parallel and passes every result on, in their order; 0 threads uses all cores.
-/// Few results are in memory at a time, whatever the count.
+/// Runs a function on all numbers in parallel and passes every result on, in their order; 0 threads uses all cores.
+/// Few results are in memory at a time, whatever their count. A number is taken when its run begins: where the numbers end early, the
+/// results of those that were begun are passed on.
 ///
 /// # Errors
 /// If the threads cannot be started, or of `take`; no further number is begun then.
@@ -71,40 +72,24 @@ const HELD_PER_THREAD: usize = 16;
 /// If the function does.
 pub fn stream_all<R: Send>(
     bar: &ProgressBar,
-    count: usize,
+    numbers: impl Iterator<Item = usize>,
     threads: usize,
-    run: impl Fn(usize) -> R + Sync,
-    take: impl FnMut(R) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    stream_while(bar, (count, threads), || true, run, take)
-}
-
-/// As [`stream_all`], while `goes_on`. After that no number is begun, and the results of those begun are passed on.
-///
-/// # Errors
-/// As [`stream_all`].
-///
-/// # Panics
-/// If the function does.
-pub fn stream_while<R: Send>(
-    bar: &ProgressBar,
-    (count, threads): (usize, usize),
-    goes_on: impl Fn() -> bool,
     run: impl Fn(usize) -> R + Sync,
     mut take: impl FnMut(R) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let Pool(pool) = Pool::new(threads)?;
+    let mut numbers = numbers.fuse();
     let (ended, results) = mpsc::channel();
     let run = &run;
     pool.in_place_scope(|scope| {
-        let mut place = 0;
+        let mut place = 0_usize;
         // Returns the number of those begun.
         let mut begin_next = || {
-            if place < count && goes_on() {
+            if let Some(number) = numbers.next() {
                 let (own, ended) = (place, ended.clone());
                 scope.spawn(move |_| {
                     // A panic is passed on to who waits for the result.
-                    let result = panic::catch_unwind(AssertUnwindSafe(|| run(own)));
+                    let result = panic::catch_unwind(AssertUnwindSafe(|| run(number)));
                     let _is_awaited = ended.send((own, result));
                 });
                 place += 1;
@@ -147,7 +132,7 @@ mod tests {
                 all.push(place);
                 Ok(())
             };
-            stream_all(&bar, 100, threads, |place| place, add).expect("threads");
+            stream_all(&bar, 0..100, threads, |place| place, add).expect("threads");
             assert!(all.into_iter().eq(0..100));
 
             let (begun, mut taken) = (AtomicUsize::new(0), 0);
@@ -155,8 +140,8 @@ mod tests {
                 begun.fetch_add(1, Ordering::SeqCst);
                 place
             };
-            let goes_on = || begun.load(Ordering::SeqCst) < 20;
-            stream_while(&bar, (1_000, threads), goes_on, run, |place| {
+            let numbers = (0..1_000).take_while(|_| begun.load(Ordering::SeqCst) < 20);
+            stream_all(&bar, numbers, threads, run, |place| {
                 assert_eq!(place, taken);
                 taken += 1;
                 Ok(())
@@ -172,7 +157,7 @@ mod tests {
         let begun = AtomicUsize::new(0);
         let run = |_| begun.fetch_add(1, Ordering::SeqCst);
         let refused =
-            stream_all(&ProgressBar::hidden(), 1_000, 2, run, |_| Err(Failure::usage("enough")));
+            stream_all(&ProgressBar::hidden(), 0..1_000, 2, run, |_| Err(Failure::usage("enough")));
         assert!(refused.is_err());
         assert!(begun.into_inner() <= 2 * HELD_PER_THREAD);
     }

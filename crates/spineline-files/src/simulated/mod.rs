@@ -3,6 +3,8 @@
 mod film_force;
 mod warnings;
 
+pub use warnings::SimulationWarning;
+
 use spineline::action::LineKind;
 use spineline::analysis::{PersonalisedModel, SimulationError as CoreError};
 use spineline::clinical::CurvePlaces;
@@ -11,7 +13,7 @@ use spineline::response::{OnSignedPoint, Response, erect_shape};
 use spineline::uncertainty::AppliedLoads;
 use spineline::warning::WarningCode;
 
-use crate::{FileError, LoadFile, PlacedLoads, SimulationFile, SimulationWarning};
+use crate::{FileError, LoadFile, PlacedLoads};
 
 /// A model, its loads, and its response.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,19 +119,6 @@ impl Simulated {
             goal: self.response.goal,
             largest_factor,
         }
-    }
-
-    /// The simulation as a file.
-    #[must_use]
-    pub fn file(&self, generator: &str) -> SimulationFile {
-        SimulationFile::new(
-            &self.model,
-            (&self.loads, &self.placed),
-            &self.places,
-            &self.response,
-            self.warnings.clone(),
-            generator,
-        )
     }
 }
 

@@ -1,15 +1,30 @@
 //! Warnings about a simulation.
 
+use serde::Serialize;
 use spineline::analysis::PersonalisedModel;
 use spineline::multibody::{BodyLoad, PathEnding};
 use spineline::number::fixed;
 use spineline::response::{Response, UNUSUAL_HINGE, largest_hinge};
 use spineline::warning::WarningCode;
 
-use crate::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning};
+use crate::{AppliedLoad, LoadFile, PlacedLoads};
 
-fn warning(code: WarningCode, message: impl Into<String>) -> SimulationWarning {
-    SimulationWarning::new(code, message)
+/// A warning of a simulation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct SimulationWarning {
+    /// Which warning it is.
+    pub code: WarningCode,
+    /// What happened and what to do, as text.
+    pub message: String,
+}
+
+impl SimulationWarning {
+    /// A warning with its stable code.
+    #[must_use]
+    pub fn new(code: WarningCode, message: impl Into<String>) -> Self {
+        Self { code, message: message.into() }
+    }
 }
 
 /// All warnings about a simulation.
@@ -22,18 +37,18 @@ pub(super) fn warnings(
     let mut all = about_loads(model, loads);
     if response.ending == PathEnding::Interrupted {
         let text = "interrupted; the path so far is kept, but it is not a result";
-        all.push(warning(WarningCode::Interrupted, text));
+        all.push(SimulationWarning::new(WarningCode::Interrupted, text));
     }
     if response.ending != PathEnding::Interrupted && !response.is_complete() {
         let text = "a path of equilibria was lost: there may be more shapes that meet the target";
-        all.push(warning(WarningCode::PathLost, text));
+        all.push(SimulationWarning::new(WarningCode::PathLost, text));
     }
     if response.ending == PathEnding::SeveralEquilibria {
         let text = format!(
             "{} shapes meet the target; the result is the least loaded one that the erect spine reaches without snapping or buckling",
             response.equilibria.len()
         );
-        all.push(warning(WarningCode::SeveralEquilibria, text));
+        all.push(SimulationWarning::new(WarningCode::SeveralEquilibria, text));
     }
     all.extend(about_range(model, response));
     all.extend(about_springs(model, placed, response));
@@ -48,7 +63,7 @@ pub(super) fn warnings(
                 turn.abs().text(0),
                 UNUSUAL_HINGE.text(0)
             );
-            all.push(warning(WarningCode::LargeHinge, text));
+            all.push(SimulationWarning::new(WarningCode::LargeHinge, text));
         }
     }
     all
@@ -66,7 +81,7 @@ fn about_range(model: &PersonalisedModel, response: &Response) -> Option<Simulat
         beyond.rotation.text(0),
         beyond.limit.text(0)
     );
-    Some(warning(WarningCode::BeyondHumanRange, text))
+    Some(SimulationWarning::new(WarningCode::BeyondHumanRange, text))
 }
 
 fn about_loads(model: &PersonalisedModel, loads: &LoadFile) -> Vec<SimulationWarning> {
@@ -77,15 +92,15 @@ fn about_loads(model: &PersonalisedModel, loads: &LoadFile) -> Vec<SimulationWar
     if !model.absolute {
         let text = "only ratios of this model's stiffness are known: forces, weights and springs of loads are in its relative units, not newtons; \
                     `analyze --gauge known-force:POSTURE=NEWTON` makes them absolute";
-        all.push(warning(WarningCode::RelativeForces, text));
+        all.push(SimulationWarning::new(WarningCode::RelativeForces, text));
     }
     if weighs {
         let text = "the erect shape is taken as unloaded, although the patient's weight already acted on the erect film: this weight is added to it, and no muscles carry it; a spine without muscles bears only a small part of the body";
-        all.push(warning(WarningCode::WeightOnTop, text));
+        all.push(SimulationWarning::new(WarningCode::WeightOnTop, text));
     }
     if loads.loads.iter().any(springs) {
         let text = "pads and straps are springs without loss of contact: they touch the erect spine with zero force";
-        all.push(warning(WarningCode::SpringsStick, text));
+        all.push(SimulationWarning::new(WarningCode::SpringsStick, text));
     }
     all
 }
@@ -102,7 +117,7 @@ fn about_springs(
         let (load, level) = (placed.load_of_item[number] + 1, model.levels[item.vertebra]);
         let size = force_n.abs();
         Some(match item.load {
-            BodyLoad::Pad { .. } => warning(
+            BodyLoad::Pad { .. } => SimulationWarning::new(
                 WarningCode::PadPulls,
                 format!(
                     "load {load}: the pad on {level} pulls with {} ({}); a real pad would lose contact: remove it",
@@ -110,7 +125,7 @@ fn about_springs(
                     model.force_unit()
                 ),
             ),
-            BodyLoad::Strap { .. } => warning(
+            BodyLoad::Strap { .. } => SimulationWarning::new(
                 WarningCode::StrapPushes,
                 format!(
                     "load {load}: the strap on {level} pushes with {} ({}); a real strap would be slack: remove it",

@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 
 use spineline::analysis::{AnalysisOptions, PersonalisedModel, analyze};
-use spineline::multibody::{BodyLoad, GeneralStatics, Goal, Timing};
-use spineline::response::{erect_shape, measure_angles, respond};
+use spineline::multibody::{BodyLoad, Goal, Timing};
+use spineline::response::{erect_shape, measure_angles};
 use spineline::spatial::{Angle, Mat3, Vec3};
 use spineline_files::{
-    FileError, LoadFile, ModelFile, SimulationFile, parse_load, parse_model, to_text,
+    FileError, LoadFile, ModelFile, Simulated, parse_load, parse_model, to_text,
 };
 use spineline_phantom::{Readers, Scenario, generate};
 
@@ -164,20 +164,12 @@ fn models_without_regions_and_coupled_springs_are_read() {
 
 #[test]
 fn a_simulation_file_is_read_by_its_type() {
-    let model = model();
     let loads = parse_load(&file(r#"[{"kind":"force_at_point","level":"T2","force":[0,20,0]}]"#))
         .expect("sound");
-    let placed = loads.place(&model).expect("on this model");
-    let statics =
-        GeneralStatics::new(&model.spine, model.stiffness.clone(), model.support).expect("sound");
-    let response = respond(&statics, &placed.loading, Goal::FullLoad, 2.0, &mut |_, _| {
-        ControlFlow::Continue(())
-    })
-    .expect("sound loads");
-    let places = model.curves.clone().expect("regions");
-    let file =
-        SimulationFile::new(&model, (&loads, &placed), &places, &response, Vec::new(), "test");
-    let text = to_text(&file);
+    let mut go_on = |_, _: &_| ControlFlow::Continue(());
+    let simulated = Simulated::of(model(), loads, Goal::FullLoad, Some(2.0), vec![], &mut go_on)
+        .expect("sound loads");
+    let (text, response) = (to_text(&simulated.file("test")), &simulated.response);
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     // Full precision: the number in the file is the number of the solver.
     let top = json["equilibria"][0]["midpoints_mm"]["T2"][1].as_f64().expect("a number");

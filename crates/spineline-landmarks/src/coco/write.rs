@@ -66,21 +66,25 @@ pub struct CocoFilm<'a> {
 
 /// All films as one dataset of keypoints.
 pub fn write(films: Vec<CocoFilm<'_>>) -> String {
-    let (mut images, mut annotations) = (Vec::new(), Annotations(Vec::new()));
+    let (mut images, mut annotations) = (Vec::new(), Vec::new());
     for (place, film) in films.into_iter().enumerate() {
         let image_id = place + 1;
         for reading in film.readings {
             for (&level, landmark) in &reading.vertebrae {
                 let identity = Identity::default().with_reading(&reading.id);
                 let points = landmark.corners.points();
-                let scores = landmark.confidence.map(|corners| corners.points());
-                let origins = stated_origins(landmark).map(Origins::from);
-                annotations.push((image_id, category(level)), &points, (scores, origins), identity);
+                let id = annotations.len() + 1;
+                annotations.push(Annotation {
+                    keypoint_scores: landmark.confidence.map(|corners| corners.points()),
+                    attributes: stated_origins(landmark).map(Origins::from),
+                    ..Annotation::new(id, image_id, category(level), &points, identity)
+                });
             }
         }
         if let Some(crests) = film.iliac_crests {
             let points = [crests.left, crests.right];
-            annotations.push((image_id, CRESTS_ID), &points, (None, None), Identity::default());
+            let (id, identity) = (annotations.len() + 1, Identity::default());
+            annotations.push(Annotation::new(id, image_id, CRESTS_ID, &points, identity));
         }
         images.push(Image {
             id: image_id,
@@ -90,7 +94,7 @@ pub fn write(films: Vec<CocoFilm<'_>>) -> String {
             spineline: Identity::of_film(film.posture),
         });
     }
-    let dataset = Dataset { images, categories: categories(), annotations: annotations.0 };
+    let dataset = Dataset { images, categories: categories(), annotations };
     spineline_files::to_text(&dataset)
 }
 
@@ -116,16 +120,15 @@ fn categories() -> Vec<Category> {
     vertebrae.chain([crests]).collect()
 }
 
-struct Annotations(Vec<Annotation>);
-
-impl Annotations {
-    fn push(
-        &mut self,
-        (image_id, category_id): (usize, usize),
+impl Annotation {
+    /// Points without scores and origins.
+    fn new(
+        id: usize,
+        image_id: usize,
+        category_id: usize,
         points: &[Pixel],
-        (keypoint_scores, attributes): (Option<[f64; 4]>, Option<Origins>),
         spineline: Identity,
-    ) {
+    ) -> Self {
         let range = |value: fn(&Pixel) -> f64| {
             let values = points.iter().map(value);
             let low = values.clone().fold(f64::INFINITY, f64::min);
@@ -136,18 +139,18 @@ impl Annotations {
         /// Placed and visible.
         const VISIBLE: f64 = 2.0;
         let keypoints = points.iter().flat_map(|p| [p.column_px, p.row_px, VISIBLE]);
-        self.0.push(Annotation {
-            id: self.0.len() + 1,
+        Self {
+            id,
             image_id,
             category_id,
             keypoints: keypoints.collect(),
             num_keypoints: points.len(),
-            keypoint_scores,
+            keypoint_scores: None,
             bbox: [column, row, width, height],
             area: width * height,
             iscrowd: 0,
-            attributes,
+            attributes: None,
             spineline,
-        });
+        }
     }
 }

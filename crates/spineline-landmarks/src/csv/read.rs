@@ -391,13 +391,14 @@ impl Table<'_> {
         named(cell, "posture", &place(line, POSTURE)).map(Some)
     }
 
-    /// The cell of a column that must be filled in all rows or in none; `None` if it is empty.
+    /// The cell of the observer (0) or the repeat (1), which must be filled in all rows or in none; `None` if it is empty.
     fn naming<'a>(
         &mut self,
-        (which, column): (usize, Option<usize>),
+        which: usize,
         record: &'a ByteRecord,
         line: u64,
     ) -> Result<Option<&'a str>, LandmarkError> {
+        let column = [self.columns.observer, self.columns.repeat][which];
         let Some(column) = column else { return Ok(None) };
         let name = [OBSERVER, REPEAT][which];
         let cell = text(record, column, line, name)?;
@@ -412,7 +413,7 @@ impl Table<'_> {
 
     fn reading(&mut self, record: &ByteRecord, line: u64) -> Result<ReadingId, LandmarkError> {
         let mut id = self.hint.reading.clone();
-        if let Some(cell) = self.naming((0, self.columns.observer), record, line)? {
+        if let Some(cell) = self.naming(0, record, line)? {
             if starts_formula(cell) {
                 return Err(LandmarkError::Value {
                     at: place(line, OBSERVER),
@@ -422,7 +423,7 @@ impl Table<'_> {
             }
             id.observer = observer(unguarded(cell), &place(line, OBSERVER))?;
         }
-        if let Some(cell) = self.naming((1, self.columns.repeat), record, line)? {
+        if let Some(cell) = self.naming(1, record, line)? {
             id.repeat = whole_number(cell).filter(|&repeat| repeat > 0).ok_or_else(|| {
                 LandmarkError::Value {
                     at: place(line, REPEAT),

@@ -46,7 +46,8 @@ struct Shape {
 /// One reading of a film as a file of named points.
 pub fn write(
     identity: Identity,
-    (image, picture): (&ImageGeometry, &str),
+    image: &ImageGeometry,
+    picture: &str,
     iliac_crests: Option<IliacCrests>,
     reading: &Reading<VertebraLandmarks>,
 ) -> String {

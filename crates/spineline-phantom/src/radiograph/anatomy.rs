@@ -114,12 +114,12 @@ impl Anatomy {
             + 5.0 * self.bow_mm * inside * (1.0 - inside)
     }
 
-    /// A table over levels as a function of height, with one more row at a distance above T1; sizes are for a typical
+    /// A table over levels as a function of height, with one more size at a distance above T1; sizes are for a typical
     /// patient.
-    pub fn profile(&self, table: &[(Level, f32)], above: (f32, f32)) -> Profile {
+    pub fn profile(&self, table: &[(Level, f32)], above_t1_mm: f32, size_mm: f32) -> Profile {
         let rows: BTreeMap<Level, f32> = table.iter().copied().collect();
         let knots = rows.into_iter().map(|(level, mm)| (self.height_of(level), mm * self.scale));
-        let last = (self.height_of(Level::T1) + above.0 * self.scale, above.1 * self.scale);
+        let last = (self.height_of(Level::T1) + above_t1_mm * self.scale, size_mm * self.scale);
         Profile { knots: knots.chain([last]).collect() }
     }
 }

@@ -71,7 +71,8 @@ impl<'a> Trunk<'a> {
                     (T3, 255.0),
                     (T1, 215.0),
                 ],
-                (48.0, 66.0),
+                48.0,
+                66.0,
             ),
             thickness: anatomy.profile(
                 &[
@@ -83,7 +84,8 @@ impl<'a> Trunk<'a> {
                     (T3, 150.0),
                     (T1, 122.0),
                 ],
-                (40.0, 112.0),
+                40.0,
+                112.0,
             ),
             chest: anatomy.profile(
                 &[
@@ -95,7 +97,8 @@ impl<'a> Trunk<'a> {
                     (T3, 80.0),
                     (T1, 38.0),
                 ],
-                (20.0, 20.0),
+                20.0,
+                20.0,
             ),
             domes: [height(T10) + 8.0 * scale, height(T10) - 4.0 * scale],
             apex: height(T1) - 6.0 * scale,

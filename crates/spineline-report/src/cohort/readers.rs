@@ -33,7 +33,7 @@ pub fn section(analyses: &[Analysis]) -> Section {
     let found: Vec<QuantityReliability> = film_quantities(&cases).iter().map(assess).collect();
     for quantity in &found {
         for (number, design) in (1..).zip(&quantity.designs) {
-            plots.extend(plot(quantity, (number, design), synthetic));
+            plots.extend(plot(quantity, number, design, synthetic));
         }
     }
     section.table(in_short(&found));
@@ -47,7 +47,8 @@ pub fn section(analyses: &[Analysis]) -> Section {
 /// Bland and Altman's plot, where it can be read. Its name has the number of the design: every observer has one of the same kind.
 fn plot(
     quantity: &QuantityReliability,
-    (number, design): (usize, &DesignReliability),
+    number: usize,
+    design: &DesignReliability,
     synthetic: bool,
 ) -> Option<Figure> {
     let few = design.bland_altman.iter().all(|pair| pair.points.len() <= MAX_POINTS);

@@ -123,7 +123,8 @@ pub const fn action_fill(kind: LineKind) -> &'static str {
 
 /// A piece of text; the bottom of its letters lies at `y`.
 pub fn text(place: (f64, f64), content: &str, size: u32, anchor: TextAnchor) -> Primitive {
-    lettering(place, content, size, anchor, (false, BLACK))
+    let ((x, y), content, color) = (place, printable(content), Some(BLACK.into()));
+    Primitive::Text { x, y, content, size, anchor, rotate: None, bold: false, color }
 }
 
 /// Bold text in a colour.
@@ -134,18 +135,8 @@ pub fn bold(
     anchor: TextAnchor,
     colour: &str,
 ) -> Primitive {
-    lettering(place, content, size, anchor, (true, colour))
-}
-
-fn lettering(
-    (x, y): (f64, f64),
-    content: &str,
-    size: u32,
-    anchor: TextAnchor,
-    (bold, colour): (bool, &str),
-) -> Primitive {
-    let (content, color) = (printable(content), Some(colour.into()));
-    Primitive::Text { x, y, content, size, anchor, rotate: None, bold, color }
+    let ((x, y), content, color) = (place, printable(content), Some(colour.into()));
+    Primitive::Text { x, y, content, size, anchor, rotate: None, bold: true, color }
 }
 
 /// XML forbids control characters, and kuva reads `$…$` as mathematics.

@@ -58,7 +58,7 @@ async fn upload(
     let bytes = body.map_err(|refused| refusal(&refused))?.into();
     let whose = Whose::Account(user.name.clone());
     let _place = state.rooms().take(Work::Other, whose).await?;
-    stage(&state, &user, (room, bytes), |_| Ok(())).await.map(Json)
+    stage(&state, &user, room, bytes, |_| Ok(())).await.map(Json)
 }
 
 /// Decodes the file of a film from any source and keeps it for a study.
@@ -68,7 +68,8 @@ async fn upload(
 pub async fn stage(
     state: &AppState,
     user: &User,
-    (room, bytes): (Reservation, Vec<u8>),
+    room: Reservation,
+    bytes: Vec<u8>,
     check: impl FnOnce(&FilmFile) -> Answer<()>,
 ) -> Answer<UploadView> {
     let _permit = state.films().decoding().await?;

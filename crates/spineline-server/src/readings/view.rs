@@ -86,8 +86,10 @@ fn view_of(
             .iter()
             .map(|(&level, landmark)| {
                 let pedicles = state.vertebrae.get(&level).map(|known| &known.pedicles);
-                let width = widths.get(&level).map(|ratio| (100.0 * ratio).round());
-                vertebra((&image, view), level, landmark, pedicles, width)
+                VertebraView {
+                    erect_width_percent: widths.get(&level).map(|ratio| (100.0 * ratio).round()),
+                    ..vertebra(&image, view, level, landmark, pedicles)
+                }
             })
             .collect(),
         crests: SidesView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
@@ -106,7 +108,7 @@ fn view_of(
         } else {
             Vec::new()
         },
-        faults: faults(&landmarks, (&image, view), is_blinded),
+        faults: faults(&landmarks, &image, view, is_blinded),
         conflicts,
         erect: erect.map(|erect| erect.reading.0),
     })
@@ -137,11 +139,11 @@ fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> ReadingI
 }
 
 fn vertebra(
-    (image, view): (&ImageGeometry, FilmView),
+    image: &ImageGeometry,
+    view: FilmView,
     level: Level,
     landmark: &PartialLandmarks,
     pedicles: Option<&BTreeMap<Side, [f64; 2]>>,
-    erect_width_percent: Option<f64>,
 ) -> VertebraView {
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
         let place = name.of(&landmark.corners)?;
@@ -168,7 +170,7 @@ fn vertebra(
         complete: landmark.complete().is_some(),
         midpoint_px: body.map(|body| pair(body.midpoint)),
         axis,
-        erect_width_percent,
+        erect_width_percent: None,
     }
 }
 
@@ -220,7 +222,8 @@ fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
 
 fn faults(
     landmarks: &PartialReading,
-    (image, view): (&ImageGeometry, FilmView),
+    image: &ImageGeometry,
+    view: FilmView,
     is_blinded: bool,
 ) -> Vec<Notice> {
     let posture = view.posture().filter(|_| !is_blinded).map(Wire);

@@ -346,55 +346,58 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
     fn follow(&mut self, group: usize, step: f64, points: &mut Vec<ProfilePoint>) -> ProfileEnd {
         let bounds = MULTIPLIER_BOUNDS.map(f64::ln);
         let mut known = self.minimum.x.clone();
-        let (mut inside, mut step) = ((known[group], 0.0), step);
+        let mut inside = ProfilePoint { log_multiplier: known[group], rise: 0.0 };
+        let mut step = step;
         for _ in 0..MAX_STEPS {
-            let value = (inside.0 + step).clamp(bounds[0], bounds[1]);
-            if value == inside.0 {
+            let log_multiplier = (inside.log_multiplier + step).clamp(bounds[0], bounds[1]);
+            if log_multiplier == inside.log_multiplier {
                 return ProfileEnd::Open;
             }
-            let Some((rise, x)) = self.held(group, value, &known) else {
-                return ProfileEnd::Lost(inside.0);
+            let Some((rise, x)) = self.held(group, log_multiplier, &known) else {
+                return ProfileEnd::Lost(inside.log_multiplier);
             };
-            points.push(ProfilePoint { log_multiplier: value, rise });
+            let next = ProfilePoint { log_multiplier, rise };
+            points.push(next);
             if rise >= Profile::LIMIT {
-                return self.narrow(group, inside, (value, rise), &x, points);
+                return self.narrow(group, inside, next, &x, points);
             }
             known = x;
-            inside = (value, rise);
+            inside = next;
             // Far from the end, longer strides.
             if rise < 0.25 * Profile::LIMIT {
                 step *= 1.5;
             }
         }
-        ProfileEnd::Lost(inside.0)
+        ProfileEnd::Lost(inside.log_multiplier)
     }
 
     /// Narrows the place where the rise meets its limit: secants on its root, which is nearly straight.
     fn narrow(
         &mut self,
         group: usize,
-        mut inside: (f64, f64),
-        mut outside: (f64, f64),
+        mut inside: ProfilePoint,
+        mut outside: ProfilePoint,
         known: &DVector<f64>,
         points: &mut Vec<ProfilePoint>,
     ) -> ProfileEnd {
         const NARROW: f64 = 1e-3;
         let root = |rise: f64| rise.max(0.0).sqrt();
         for _ in 0..MAX_BISECTIONS {
-            let width = outside.0 - inside.0;
-            if width.abs() < NARROW || (outside.1 - Profile::LIMIT).abs() < 0.01 {
+            let width = outside.log_multiplier - inside.log_multiplier;
+            if width.abs() < NARROW || (outside.rise - Profile::LIMIT).abs() < 0.01 {
                 break;
             }
-            let part =
-                (Profile::LIMIT.sqrt() - root(inside.1)) / (root(outside.1) - root(inside.1));
-            let value = inside.0 + width * part.clamp(0.1, 0.9);
-            let Some((rise, _)) = self.held(group, value, known) else {
-                return ProfileEnd::Lost(inside.0);
+            let [from, to] = [inside.rise, outside.rise].map(root);
+            let part = (Profile::LIMIT.sqrt() - from) / (to - from);
+            let log_multiplier = inside.log_multiplier + width * part.clamp(0.1, 0.9);
+            let Some((rise, _)) = self.held(group, log_multiplier, known) else {
+                return ProfileEnd::Lost(inside.log_multiplier);
             };
-            points.push(ProfilePoint { log_multiplier: value, rise });
-            *(if rise >= Profile::LIMIT { &mut outside } else { &mut inside }) = (value, rise);
+            let next = ProfilePoint { log_multiplier, rise };
+            points.push(next);
+            *(if rise >= Profile::LIMIT { &mut outside } else { &mut inside }) = next;
         }
-        ProfileEnd::At(outside.0)
+        ProfileEnd::At(outside.log_multiplier)
     }
 
     /// The rise with one `ln α` held and everything else fitted anew; `None` where that does not converge.

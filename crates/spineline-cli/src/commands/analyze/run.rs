@@ -44,7 +44,7 @@ pub fn analyze_all<'a>(
         Some((result, steps))
     };
     let mut ended = 0;
-    stream_all(&progress, paths.len(), across, run, |begun| {
+    stream_all(&progress, 0..paths.len(), across, run, |begun| {
         let Some((result, mut steps)) = begun else { return Ok(()) };
         ended += 1;
         let checked = result.and_then(|one| match kept.read.add(&one.input, asked.record) {

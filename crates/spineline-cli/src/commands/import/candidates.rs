@@ -1,5 +1,6 @@
 //! The films that were found, each decoded once in its own process, with their metadata.
 
+use spineline::anatomy::FilmView;
 use spineline_files::sha256_hex;
 use spineline_films::intake::{Found, IntakeLimits, Survey, read, survey};
 use spineline_films::{FilmRemark, FilmTags};
@@ -37,6 +38,14 @@ impl Seen {
     pub fn view(&self) -> ViewJudgement {
         judge_view(&self.tags.view, None)
     }
+}
+
+/// A film that is chosen for a view of the case.
+pub struct ChosenFilm<'a> {
+    pub view: FilmView,
+    /// Place in the list of films.
+    pub index: usize,
+    pub seen: &'a Seen,
 }
 
 /// Everything that lies at the given paths.

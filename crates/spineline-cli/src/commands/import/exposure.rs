@@ -4,22 +4,22 @@ use spineline::anatomy::{FilmView, Posture};
 use spineline_films::Exposures;
 
 use super::args::ImportArgs;
-use super::candidates::Seen;
+use super::candidates::ChosenFilm;
 use super::resolve::ResolvedFilm;
 use crate::run::failure::Failure;
 
 /// Sets on the lateral film whether both were exposed together, with a note on the source and the assumption.
 pub fn decide(
     args: &ImportArgs,
-    seen: &[(FilmView, usize, &Seen)],
+    seen: &[ChosenFilm<'_>],
     films: &mut [ResolvedFilm],
 ) -> Result<(), Failure> {
     let Some(lateral) = films.iter_mut().find(|film| film.view == FilmView::Lateral) else {
         return Ok(());
     };
     let marks = |wanted: FilmView| {
-        let found = seen.iter().find(|(view, _, _)| *view == wanted)?;
-        Some(found.2.tags.exposure)
+        let found = seen.iter().find(|film| film.view == wanted)?;
+        Some(found.seen.tags.exposure)
     };
     let pair = marks(FilmView::Frontal(Posture::Erect)).zip(marks(FilmView::Lateral));
     let stated = pair.map_or(Exposures::NotStated, |(erect, lateral)| erect.with(&lateral));

@@ -18,7 +18,7 @@ pub use args::{EXAMPLES, ImportArgs};
 use spineline::anatomy::{FilmView, ImageSide};
 use spineline_films::{FilmDoubt, Stated, film_doubts};
 
-use candidates::{Candidates, Seen};
+use candidates::{Candidates, ChosenFilm};
 use pictures::Pictures;
 use resolve::{Question, ResolvedFilm, check_films, resolve, same_identifier};
 use write::Marks;
@@ -54,8 +54,8 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     chosen.sort_unstable();
     let seen = chosen
         .iter()
-        .map(|&(view, index)| Ok((view, index, candidates.seen(index)?)))
-        .collect::<Result<Vec<(FilmView, usize, &Seen)>, Failure>>()?;
+        .map(|&(view, index)| Ok(ChosenFilm { view, index, seen: candidates.seen(index)? }))
+        .collect::<Result<Vec<_>, Failure>>()?;
     check_films(&seen)?;
     args.check_postures(&chosen.iter().filter_map(|(view, _)| view.posture()).collect::<Vec<_>>())?;
     let mut films = resolve_all(args, &seen, ask)?;
@@ -94,20 +94,20 @@ fn chosen(args: &ImportArgs, candidates: &Candidates) -> Result<Vec<(FilmView, u
 /// Resolves every film; open questions are asked at the terminal, or listed with the options that answer them.
 fn resolve_all(
     args: &ImportArgs,
-    seen: &[(FilmView, usize, &Seen)],
+    seen: &[ChosenFilm<'_>],
     ask: bool,
 ) -> Result<Vec<ResolvedFilm>, Failure> {
     let mut films = Vec::new();
     let mut open: Vec<Question> = Vec::new();
-    let stated = |(view, _, film): &(FilmView, usize, &Seen)| {
-        (view.to_string(), Stated::by_remarks(film.tags.patient, &film.remarks))
+    let stated = |film: &ChosenFilm<'_>| {
+        (film.view.to_string(), Stated::by_remarks(film.seen.tags.patient, &film.seen.remarks))
     };
     let doubts = film_doubts(&seen.iter().map(stated).collect::<Vec<_>>());
-    for (&(view, index, film), doubts) in seen.iter().zip(&doubts) {
-        match resolve(args, view, index, (film, doubts), None)? {
+    for (chosen, doubts) in seen.iter().zip(&doubts) {
+        match resolve(args, chosen, doubts, None)? {
             Ok(film) => films.push(film),
             Err(questions) if ask => {
-                films.push(resolve_by_asking(args, view, index, (film, doubts), &questions)?)
+                films.push(resolve_by_asking(args, chosen, doubts, &questions)?)
             }
             Err(questions) => open.extend(questions),
         }
@@ -123,9 +123,8 @@ fn resolve_all(
 
 fn resolve_by_asking(
     args: &ImportArgs,
-    view: FilmView,
-    index: usize,
-    seen: (&Seen, &[FilmDoubt]),
+    chosen: &ChosenFilm<'_>,
+    doubts: &[FilmDoubt],
     questions: &[Question],
 ) -> Result<ResolvedFilm, Failure> {
     let mut side: Option<ImageSide> = None;
@@ -134,7 +133,7 @@ fn resolve_by_asking(
     }
     // Every contradiction was looked at and confirmed.
     let accepted = ImportArgs { accept: true, ..args.clone() };
-    resolve(&accepted, view, index, seen, side)?.map_err(|open| {
+    resolve(&accepted, chosen, doubts, side)?.map_err(|open| {
         Failure::internal(format!("{} still open after asking", counted(open.len())))
     })
 }

@@ -9,7 +9,7 @@ use spineline_films::{FilmDoubt, spacing_question};
 use spineline_marking::{View, ViewQuestion, judge_view};
 
 use super::args::{ImportArgs, answer_for};
-use super::candidates::Seen;
+use super::candidates::{ChosenFilm, Seen};
 use crate::run::failure::Failure;
 
 /// A film of the case.
@@ -102,11 +102,11 @@ impl Question {
 /// Resolves one film, or returns the questions that are open.
 pub fn resolve(
     args: &ImportArgs,
-    view: FilmView,
-    index: usize,
-    (seen, doubts): (&Seen, &[FilmDoubt]),
+    chosen: &ChosenFilm<'_>,
+    doubts: &[FilmDoubt],
     side_by_dialogue: Option<ImageSide>,
 ) -> Result<Result<ResolvedFilm, Vec<Question>>, Failure> {
+    let &ChosenFilm { view, index, seen } = chosen;
     let mut questions = Vec::new();
     let others = seen.remarks.iter().filter(|remark| !remark.is_other_body_part());
     let mut notes: Vec<String> = others.map(ToString::to_string).collect();
@@ -244,33 +244,34 @@ fn compare(view: FilmView, file: &Spacing, used: &Spacing, notes: &mut Vec<Strin
 }
 
 /// Checks the films of the case together: each is another picture, and the erect film is among them.
-pub fn check_films(films: &[(FilmView, usize, &Seen)]) -> Result<(), Failure> {
-    for (i, (view, _, seen)) in films.iter().enumerate() {
-        let twin = films[..i].iter().find(|(_, _, other)| other.picture == seen.picture);
-        if let Some((other, _, _)) = twin {
+pub fn check_films(films: &[ChosenFilm<'_>]) -> Result<(), Failure> {
+    for (i, film) in films.iter().enumerate() {
+        let twin = films[..i].iter().find(|other| other.seen.picture == film.seen.picture);
+        if let Some(other) = twin {
             return Err(Failure::input(
-                &format!("{other} film and {view} film"),
+                &format!("{} film and {} film", other.view, film.view),
                 &"both are the same picture",
                 "choose a different film for each posture",
             ));
         }
     }
-    if films.iter().any(|(view, _, _)| *view == FilmView::Frontal(Posture::Erect)) {
+    if films.iter().any(|film| film.view == FilmView::Frontal(Posture::Erect)) {
         return Ok(());
     }
     Err(Failure::usage("a case needs an erect film: choose it, as in --film erect=1"))
 }
 
 /// Films that carry the same identifier and different pixels.
-pub fn same_identifier(films: &[(FilmView, usize, &Seen)]) -> Vec<String> {
+pub fn same_identifier(films: &[ChosenFilm<'_>]) -> Vec<String> {
     let mut notes = Vec::new();
-    for (i, (view, _, seen)) in films.iter().enumerate() {
-        let uid = &seen.tags.uids.sop_instance;
-        for (other, _, _) in
-            films[..i].iter().filter(|(_, _, o)| uid.is_some() && o.tags.uids.sop_instance == *uid)
-        {
+    for (i, film) in films.iter().enumerate() {
+        let uid = &film.seen.tags.uids.sop_instance;
+        let is_same =
+            |other: &&ChosenFilm<'_>| uid.is_some() && other.seen.tags.uids.sop_instance == *uid;
+        for other in films[..i].iter().filter(is_same) {
             notes.push(format!(
-                "the {other} film and the {view} film have the same SOP Instance UID but different pixels: one was changed without a new identifier"
+                "the {} film and the {} film have the same SOP Instance UID but different pixels: one was changed without a new identifier",
+                other.view, film.view
             ));
         }
     }

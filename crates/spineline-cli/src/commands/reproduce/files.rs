@@ -55,7 +55,7 @@ pub fn write(
     };
     let folder = out.join("analyses");
     let bar = bar("files", patients.len());
-    stream_all(&bar, patients.len(), args.threads, text, |(name, text)| {
+    stream_all(&bar, 0..patients.len(), args.threads, text, |(name, text)| {
         outputs.write(&folder.join(name), text)
     })
 }

@@ -126,7 +126,7 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
 
 /// Makes the study of a case in a new store.
 fn add_study(store: &mut Store, case: &Path, at: &Path) -> Result<(), Failure> {
-    print(add_case(store, at, (case, false), &signature(at)?)?).map(|_| ())
+    print(add_case(store, at, case, false, &signature(at)?)?).map(|_| ())
 }
 
 fn signature(store: &Path) -> Result<Signature, Failure> {

@@ -6,7 +6,7 @@ use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::{InputFile, ModelSource, Replicates, Request, Simulated, StoredModel};
 
 use super::args::SimulateArgs;
-use crate::analysis::replicates::run_loaded_replicates;
+use crate::analysis::replicates::{monte_carlo, run_loaded_replicates};
 use crate::run::failure::Failure;
 use crate::run::inputs::CaseInput;
 
@@ -62,8 +62,9 @@ impl Source {
         measures: &[LoadedMeasure],
     ) -> Result<Option<LoadedUncertainty>, Failure> {
         let loads = simulated.on_replicates(self.source.kind, args.largest_factor);
-        let of = (&self.case.case, &self.source.analysis);
-        let found = run_loaded_replicates(of, (&loads, measures), &self.asked, args.threads)?;
+        let monte_carlo = monte_carlo(&self.case.case, &self.source.analysis, &self.asked)?;
+        let (count, threads) = (self.asked.count, args.threads);
+        let found = run_loaded_replicates(&monte_carlo, &loads, measures, count, threads)?;
         Ok((found.done > 0).then_some(found))
     }
 }

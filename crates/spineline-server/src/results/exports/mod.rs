@@ -65,7 +65,8 @@ pub async fn export(
         match export {
             ExportName::Report | ExportName::Pdf | ExportName::Figures => {
                 let options = &result.current.options;
-                report::download(export, analysis, &case, (options, &pictures, &found))
+                let document = report::document(analysis, &case, options, &pictures, &found);
+                report::download(export, &document, analysis)
             }
             ExportName::Analysis => Ok(Download {
                 ending: "-analysis.json",

@@ -27,13 +27,14 @@ pub async fn pictures(state: &AppState, result: &StudyResult) -> Answer<Vec<Film
     Ok(pictures)
 }
 
-/// The report as HTML or PDF, or its figures.
-pub fn download(
-    export: ExportName,
+/// The report of an analysis.
+pub fn document(
     analysis: &Analysis,
     case: &Case,
-    (options, pictures, found): (&ChosenOptions, &[FilmPicture], &Computed),
-) -> Answer<Download> {
+    options: &ChosenOptions,
+    pictures: &[FilmPicture],
+    found: &Computed,
+) -> Document {
     let mut document = patient::report(&Patient {
         case,
         analysis,
@@ -48,16 +49,21 @@ pub fn download(
         let text = format!("{title} from the file {file}.");
         document.banners.push(Notice::new(NoticeKind::Banner, text));
     }
+    document
+}
+
+/// A report as HTML or PDF, or its figures.
+pub fn download(export: ExportName, document: &Document, analysis: &Analysis) -> Answer<Download> {
     match export {
-        ExportName::Figures => figures(&document, analysis),
+        ExportName::Figures => figures(document, analysis),
         ExportName::Pdf => {
-            let bytes = pdf(&document)?;
+            let bytes = pdf(document)?;
             Ok(Download { ending: ".pdf", kind: "application/pdf", bytes })
         }
         _ => Ok(Download {
             ending: ".html",
             kind: "text/html; charset=utf-8",
-            bytes: spineline_files::with_hash(html(&document).into_bytes()),
+            bytes: spineline_files::with_hash(html(document).into_bytes()),
         }),
     }
 }

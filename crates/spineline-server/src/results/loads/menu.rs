@@ -98,7 +98,7 @@ fn kinds(model: &PersonalisedModel) -> Vec<LoadKind> {
         kind(
             "Rod",
             "a stiff rod between two vertebrae: it changes their pose relative to each other, or keeps it where all its numbers are 0",
-            rod(model, (vertebra, sideways), timing),
+            rod(model, vertebra, sideways, timing),
         ),
         kind(
             "Traction",
@@ -129,11 +129,7 @@ fn kinds(model: &PersonalisedModel) -> Vec<LoadKind> {
 
 /// A rod over the curve that lessens it, from two vertebrae below to two above, as far as they exist; with too few
 /// joints, a rod that keeps the pose.
-fn rod(
-    model: &PersonalisedModel,
-    (apex, towards_left): (usize, f64),
-    timing: Timing,
-) -> AppliedLoad {
+fn rod(model: &PersonalisedModel, apex: usize, towards_left: f64, timing: Timing) -> AppliedLoad {
     let superior = (apex + 2).min(model.levels.len() - 1);
     let inferior = superior.saturating_sub(4);
     let level = |vertebra: usize| model.levels[vertebra];

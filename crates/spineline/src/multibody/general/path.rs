@@ -90,13 +90,19 @@ pub(super) struct Step {
     events: Vec<Event>,
 }
 
-/// A stage of a path: its factors, and what was met so far.
+/// A stage of a path.
+pub(super) struct Stage {
+    /// Factors of the constant and the proportional loads.
+    pub factors: Factors,
+    pub goal: Goal,
+    pub options: PathOptions,
+}
+
+/// A stage of a path, and what was met so far.
 pub(super) struct Walk<'w, 'b> {
     pub balance: Balance<'b>,
     pub newton: &'w mut Newton,
-    factors: Factors,
-    goal: Goal,
-    options: PathOptions,
+    stage: Stage,
     path: &'w mut EquilibriumPath,
     on_point: OnPoint<'w>,
     arc_rad: f64,
@@ -109,38 +115,26 @@ impl<'w, 'b> Walk<'w, 'b> {
     pub(super) fn new(
         balance: Balance<'b>,
         newton: &'w mut Newton,
-        stage: (Factors, Goal),
-        options: &PathOptions,
+        stage: Stage,
         path: &'w mut EquilibriumPath,
         on_point: OnPoint<'w>,
     ) -> Self {
-        let (factors, goal) = stage;
         let arc_rad = path.points.last().map_or(0.0, |point| point.arc_rad);
-        Self {
-            balance,
-            newton,
-            factors,
-            goal,
-            options: *options,
-            path,
-            on_point,
-            arc_rad,
-            rod_failed: false,
-        }
+        Self { balance, newton, stage, path, on_point, arc_rad, rod_failed: false }
     }
 
     fn is_beyond_limits(&self) -> bool {
-        self.newton.state.largest_hinge_rad() > self.options.largest_hinge_rad
-            || self.factors.varied().abs() > self.options.largest_factor
+        self.newton.state.largest_hinge_rad() > self.stage.options.largest_hinge_rad
+            || self.stage.factors.varied().abs() > self.stage.options.largest_factor
     }
 
     /// The first place, with a factor that counts as much as what it turns at first.
     fn first_base(&mut self) -> Option<Base> {
-        let sign = self.options.sign.factor();
+        let PathOptions { sign, largest_factor, .. } = self.stage.options;
         // Loads in small units have a large factor to go, and must not take more steps for that.
-        let least = MIN_FACTOR_RAD.min(MIN_STEPS * MAX_STEP_RAD / self.options.largest_factor);
+        let least = MIN_FACTOR_RAD.min(MIN_STEPS * MAX_STEP_RAD / largest_factor);
         let least = least.max(f64::MIN_POSITIVE.sqrt());
-        let mut outwards = Direction::of_factor(&self.balance, sign, least);
+        let mut outwards = Direction::of_factor(&self.balance, sign.factor(), least);
         let Direction { turns, factor, .. } = self.base(&outwards, 0.0)?.tangent;
         let turns: f64 = turns.iter().map(|turn| turn.norm_squared()).sum();
         outwards.factor_rad = (turns.sqrt() / factor.abs()).clamp(least, MAX_FACTOR_RAD);
@@ -171,10 +165,10 @@ impl<'w, 'b> Walk<'w, 'b> {
         for (reaction, (from, change)) in state.reactions.iter_mut().zip(reactions) {
             *reaction = from + change * step_rad;
         }
-        self.factors.set_varied(base.factor + base.tangent.factor * step_rad);
+        self.stage.factors.set_varied(base.factor + base.tangent.factor * step_rad);
         let from = (&base.hinges[..], base.factor);
         let closing = Closing::Arc { from, along: &base.tangent, length: step_rad };
-        let report = self.newton.correct(&self.balance, &mut self.factors, &closing);
+        let report = self.newton.correct(&self.balance, &mut self.stage.factors, &closing);
         self.path.iterations += u64::from(report.iterations);
         self.rod_failed |= report.ending == NewtonEnding::RodOutOfReach;
         let near = self.departure_rad(base, step_rad) <= MAX_DEPARTURE * step_rad.max(MIN_STEP_RAD);
@@ -198,14 +192,14 @@ impl<'w, 'b> Walk<'w, 'b> {
         let goal = self.sample(&tangent, at);
         let state = &self.newton.state;
         let (hinges, reactions) = (state.hinges.clone(), state.reactions.clone());
-        Some(Base { hinges, reactions, factor: self.factors.varied(), tangent, signs, goal })
+        Some(Base { hinges, reactions, factor: self.stage.factors.varied(), tangent, signs, goal })
     }
 
     /// The goal's value and its change along the branch.
     fn sample(&self, tangent: &Direction, at: f64) -> Sample {
-        match self.goal {
+        match self.stage.goal {
             Goal::FullLoad => {
-                let value = self.factors.varied() - 1.0;
+                let value = self.stage.factors.varied() - 1.0;
                 let rate = tangent.factor;
                 Sample { at, value, rate, exact: true, met: value.abs() < 1e-15 }
             }
@@ -243,11 +237,11 @@ impl<'w, 'b> Walk<'w, 'b> {
         if self.advance(base, at).is_none() {
             return false;
         }
-        if self.goal != Goal::FullLoad {
+        if self.stage.goal != Goal::FullLoad {
             return true;
         }
-        self.factors.set_varied(1.0);
-        let report = self.newton.correct(&self.balance, &mut self.factors, &Closing::Factor);
+        self.stage.factors.set_varied(1.0);
+        let report = self.newton.correct(&self.balance, &mut self.stage.factors, &Closing::Factor);
         report.ending == NewtonEnding::Balanced
     }
 
@@ -255,8 +249,8 @@ impl<'w, 'b> Walk<'w, 'b> {
     pub(super) fn restore(&mut self, point: &Base) {
         self.newton.state.hinges.clone_from(&point.hinges);
         self.newton.state.reactions.clone_from(&point.reactions);
-        self.factors.set_varied(point.factor);
-        self.balance.evaluate(&self.factors, &mut self.newton.state);
+        self.stage.factors.set_varied(point.factor);
+        self.balance.evaluate(&self.stage.factors, &mut self.newton.state);
     }
 
     /// Reports the state at a part of a step, which meets the goal.
@@ -272,8 +266,8 @@ impl<'w, 'b> Walk<'w, 'b> {
     fn push_point(&mut self, iterations: u32) -> ControlFlow<Stop> {
         let state = &self.newton.state;
         self.path.points.push(PathPoint {
-            timing: self.factors.varies,
-            factor: self.factors.varied(),
+            timing: self.stage.factors.varies,
+            factor: self.stage.factors.varied(),
             arc_rad: self.arc_rad,
             limit_points: self.path.count(BranchEventKind::LimitPoint),
             branch_points: self.path.count(BranchEventKind::BranchPoint),
@@ -290,9 +284,9 @@ impl<'w, 'b> Walk<'w, 'b> {
     /// The state meets the goal; whether more places are looked for.
     fn found(&mut self) -> ControlFlow<Stop> {
         let equilibrium =
-            Equilibrium::new(&self.balance, &self.factors, &self.newton.state, self.path);
+            Equilibrium::new(&self.balance, &self.stage.factors, &self.newton.state, self.path);
         self.path.equilibria.push(equilibrium);
-        if self.options.look_beyond {
+        if self.stage.options.look_beyond {
             ControlFlow::Continue(())
         } else {
             ControlFlow::Break(Stop::Enough)
@@ -304,7 +298,7 @@ impl Branch for Walk<'_, '_> {
     type Place = Step;
 
     fn start(&mut self) -> Option<Step> {
-        self.balance.evaluate(&self.factors, &mut self.newton.state);
+        self.balance.evaluate(&self.stage.factors, &mut self.newton.state);
         let residual_rad = self.balance.residual_rad(&self.newton.state);
         if residual_rad.is_nan() || residual_rad > BALANCED_RAD {
             return None;
@@ -323,7 +317,7 @@ impl Branch for Walk<'_, '_> {
         if !is_first && self.is_beyond_limits() {
             return ControlFlow::Break(Stop::Limit);
         }
-        if self.path.points.len() >= self.options.most_points {
+        if self.path.points.len() >= self.stage.options.most_points {
             return ControlFlow::Break(Stop::Stuck);
         }
         point.base.goal.at = 0.0;
@@ -351,7 +345,7 @@ impl Branch for Walk<'_, '_> {
         for event in &to.events {
             match *event {
                 Event::Singular { at, factor, kind } => {
-                    let (timing, arc_rad) = (self.factors.varies, self.arc_rad + at);
+                    let (timing, arc_rad) = (self.stage.factors.varies, self.arc_rad + at);
                     self.path.events.push(BranchEvent { kind, timing, factor, arc_rad });
                 }
                 Event::GoalMet(sample) if !is_beyond => {
@@ -394,6 +388,6 @@ impl Along for Within<'_, '_, '_> {
             Ok(sample) => self.met.push(sample),
             Err(Lost) => self.lost = true,
         }
-        self.walk.options.look_beyond
+        self.walk.stage.options.look_beyond
     }
 }

@@ -4,7 +4,7 @@ use super::balance::{Balance, Factors};
 use super::equilibrium::EquilibriumPath;
 use super::loading::{Loading, LoadingError, Timing};
 use super::newton::{Closing, Newton, NewtonEnding};
-use super::path::{Goal, OnPoint, PathOptions, Walk};
+use super::path::{Goal, OnPoint, PathOptions, Stage, Walk};
 use crate::multibody::follow::{PathEnding, Stop, follow};
 use crate::multibody::{Deformed, ForceSign, SpineModel, Support};
 use crate::spatial::{Mat3, Vec3};
@@ -219,9 +219,8 @@ impl<'a> GeneralStatics<'a> {
                 look_beyond: false,
                 ..*options
             };
-            let stage = (factors, Goal::FullLoad);
-            let stop =
-                follow(&mut Walk::new(balance, &mut newton, stage, &once, &mut path, on_point));
+            let stage = Stage { factors, goal: Goal::FullLoad, options: once };
+            let stop = follow(&mut Walk::new(balance, &mut newton, stage, &mut path, on_point));
             path.ending = path.ending(stop);
             let stands = path.result().is_some() && stop != Stop::Interrupted;
             // These shapes do not meet the goal.
@@ -231,9 +230,8 @@ impl<'a> GeneralStatics<'a> {
             }
         }
         let factors = Factors { constant: 1.0, proportional: 0.0, varies: Timing::Proportional };
-        let stage = (factors, goal);
-        let stop =
-            follow(&mut Walk::new(balance, &mut newton, stage, options, &mut path, on_point));
+        let stage = Stage { factors, goal, options: *options };
+        let stop = follow(&mut Walk::new(balance, &mut newton, stage, &mut path, on_point));
         path.ending = path.ending(stop);
         path.is_complete = !matches!(stop, Stop::Stuck | Stop::Interrupted);
         Ok(path)
