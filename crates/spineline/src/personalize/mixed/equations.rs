@@ -59,15 +59,16 @@ const PRIOR_SCORE: f64 = 0.5;
 const PRIOR_INFORMATION: f64 = 0.25;
 
 const ROUNDS: usize = 150;
-/// From this round on steps are shortened and not extrapolated: some fits oscillate.
-const DAMPED_FROM: usize = 30;
-const DAMPING: f64 = 0.35;
+/// A step that is longer than the one before is shortened by this factor, and those before are not extrapolated: some fits oscillate.
+const DAMPING: f64 = 0.6;
+/// Steps at a limit have the same length up to rounding, which does not count as longer.
+const LONGER: f64 = 1.0 + 1e-9;
 /// Steps that are extrapolated.
-const MEMORY: usize = 4;
+const MEMORY: usize = 6;
 /// The iteration has converged when no unknown moves by more than this.
 const CONVERGED_STEP: f64 = 1e-4;
 /// A longer step of `ln` of stiffness or of a centre leaves the range of the linear theory.
-const MAX_STEP: f64 = 0.5;
+const MAX_STEP: f64 = 1.0;
 const MAX_LOG_VARIANCE_STEP: f64 = 2.0;
 /// Standard deviation of the moment about a point that is known exactly, as a part of the load.
 const EXACT_LINE: f64 = 1e-3;
@@ -266,20 +267,22 @@ impl<'a> Model<'a> {
     pub fn converge(&self, mut x: DVector<f64>) -> Result<(DVector<f64>, Equations), NoLoads> {
         let mut steps: Vec<Step> = Vec::new();
         let mut last_step = f64::INFINITY;
-        for round in 0..ROUNDS {
+        for _ in 0..ROUNDS {
             let at = self.equations(&x).ok_or(NoLoads::Undetermined)?;
             let step = (self.step(&x, &at) - &x).component_div(&self.sizes);
+            let is_longer = step.amax() > LONGER * last_step;
             last_step = step.amax();
             if last_step < CONVERGED_STEP {
                 return Ok((x, at));
             }
             let from = x.component_div(&self.sizes);
-            let to = if round < DAMPED_FROM {
+            let to = if is_longer {
+                steps.clear();
+                from + step * DAMPING
+            } else {
                 steps.insert(0, Step { from, step });
                 steps.truncate(MEMORY);
                 anderson(&steps)
-            } else {
-                from + step * DAMPING
             };
             x = to.component_mul(&self.sizes);
             self.limit_variances(&mut x);
@@ -296,11 +299,13 @@ impl<'a> Model<'a> {
         let [shift, evenness] = [x[fixed - 2], x[fixed - 1]];
         let mut jacobian = DMatrix::zeros(self.rotations.len(), effects);
         let mut residual = self.rotations.clone();
+        let mut by_group = DVector::zeros(logs.len());
+        let mut by_logs = DVector::zeros(self.contrasts.ncols());
         for (row, [hinge, higher, even]) in self.responses.iter().enumerate() {
             let (film, joint) = (row / n, row % n);
-            let by_group = DVector::from_fn(logs.len(), |group, _| {
-                self.shares.0[(joint, group)] * (deltas[joint] - logs[group]).exp()
-            });
+            for (group, softness) in by_group.iter_mut().enumerate() {
+                *softness = self.shares.0[(joint, group)] * (deltas[joint] - logs[group]).exp();
+            }
             let softness = by_group.sum();
             let load = x.fixed_rows::<3>(3 * film);
             let centre = shift + x[fixed + n + joint];
@@ -309,12 +314,12 @@ impl<'a> Model<'a> {
             let by_centre = softness * higher.tr_dot(&load);
             residual[row] -= turn;
             jacobian.fixed_view_mut::<1, 3>(row, 3 * film).copy_from(&response);
-            let by_logs = self.contrasts.tr_mul(&by_group) * (-turn / softness);
+            by_logs.gemv_tr(-turn / softness, &self.contrasts, &by_group, 0.0);
             jacobian.view_mut((row, loads), (1, by_logs.len())).tr_copy_from(&by_logs);
             jacobian[(row, fixed - 2)] = by_centre;
             jacobian[(row, fixed - 1)] = softness * even.tr_dot(&load);
-            let cosines = self.cosines.row(joint) * turn;
-            jacobian.view_mut((row, fixed), (1, n)).copy_from(&cosines);
+            let cosines = self.cosines.row(joint);
+            jacobian.view_mut((row, fixed), (1, n)).zip_apply(&cosines, |to, by| *to = by * turn);
             jacobian[(row, fixed + n + joint)] = by_centre;
         }
         let weighed = (&self.precision * &jacobian).transpose();

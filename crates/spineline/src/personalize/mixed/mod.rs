@@ -38,7 +38,8 @@
 //! v = D^-1 u,   M = D^-1 - D^-1 P D^-1,   dl/ds_i = 1/2 (v' D_i v - tr(M D_i)),   I_ij = 1/2 tr(M D_i M D_j)
 //! ```
 //!
-//! All unknowns take their steps together, extrapolated [anderson-1965]; later steps are damped.
+//! All unknowns take their steps together, extrapolated [anderson-1965]. A step that is longer than the one before is shortened, and the
+//! extrapolation begins again.
 
 mod bases;
 mod covariance;
