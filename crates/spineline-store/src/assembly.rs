@@ -124,7 +124,7 @@ fn marked(
     Reading { id: reader(reading), vertebrae: vertebrae.collect() }
 }
 
-fn reader(reading: &ReadingRecord) -> Reader {
+pub(crate) fn reader(reading: &ReadingRecord) -> Reader {
     Reader::new(reading.observer.to_string(), reading.repeat)
 }
 

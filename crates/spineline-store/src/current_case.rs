@@ -139,23 +139,13 @@ impl Store {
             let chosen = match choice {
                 CaseReadings::Finished => self.finished(&snapshot, &of_film)?,
                 CaseReadings::InHand { reading, pending } => {
-                    let hand = readings.iter().find(|record| record.id == reading);
-                    let object = || reading.to_string();
-                    let hand = hand.ok_or_else(|| StoreError::Unknown { object: object() })?;
+                    let unknown = || StoreError::Unknown { object: reading.to_string() };
+                    let hand = readings.iter().find(|one| one.id == reading).ok_or_else(unknown)?;
                     if hand.film == film.id {
                         let events = journal::events(&snapshot, hand.id)?;
                         let state = journal::replayed(hand, film.view, events, pending)?;
-                        let chosen = vec![(hand, state)];
-                        let others = self.finished(&snapshot, &of_film)?.into_iter();
-                        let others = others.filter(|(other, _)| {
-                            other.id != hand.id && Some(other.id) != hand.corrects
-                        });
-                        let all: Vec<_> = chosen.iter().cloned().chain(others).collect();
-                        let id = Reader::new(hand.observer.to_string(), hand.repeat);
-                        if let AssembledFilm::Frontal(film) = assembly::film(&film, &all)? {
-                            compared = Some(ComparedReading { id, film });
-                        }
-                        chosen
+                        compared = self.compared(&snapshot, &film, hand, &state, &of_film)?;
+                        vec![(hand, state)]
                     } else {
                         self.beside(&snapshot, hand, &of_film)?
                     }
@@ -177,6 +167,22 @@ impl Store {
         let case = assembly::case(study, synthetic, landmarks);
         let options = options::of_study(&snapshot, study)?.chosen;
         Ok(CurrentCase { films, lateral, case, compared, options })
+    }
+
+    /// An open reading of a frontal film with the finished ones of the film, except the one that it corrects.
+    fn compared(
+        &self,
+        connection: &Connection,
+        film: &FilmRecord,
+        hand: &ReadingRecord,
+        state: &ReadingState,
+        of_film: &[&ReadingRecord],
+    ) -> Result<Option<ComparedReading>, StoreError> {
+        let mut all = self.finished(connection, of_film)?;
+        all.retain(|(other, _)| other.id != hand.id && Some(other.id) != hand.corrects);
+        all.insert(0, (hand, state.clone()));
+        let AssembledFilm::Frontal(film) = assembly::film(film, &all)? else { return Ok(None) };
+        Ok(Some(ComparedReading { id: assembly::reader(hand), film }))
     }
 
     fn finished<'r>(

@@ -8,15 +8,16 @@ use spineline::warning::{Warning, Warnings, counted};
 use spineline_files::parse_case_file;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_report::terminal::Lines;
-use spineline_store::{CaseError, NewCase, Signature, Store};
+use spineline_store::{CaseError, NewCase, Signature, Store, StoreError};
 
 use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
 
 /// Adds one case; returns what was added as text. Films that may not belong to the case are added only if accepted.
+/// `fail` names the store in its errors.
 pub fn add_case(
     store: &mut Store,
-    at: &Path,
+    fail: impl Fn(StoreError) -> Failure + Copy,
     path: &Path,
     accept: bool,
     by: &Signature,
@@ -33,14 +34,14 @@ pub fn add_case(
     if !accept && !doubts.is_empty() {
         return Err(doubtful(path, &doubts));
     }
-    let added = store.add_case(&case, by).map_err(|error| Failure::store(at, &error))?;
+    let added = store.add_case(&case, by).map_err(fail)?;
     let (films, readings) =
         (counted(added.films.len(), "film"), counted(added.readings, "reading"));
     let mut text = Lines::of(format!("{}: added {films} and {readings}.", added.study));
     for remark in &added.remarks {
         text.line(format!("  ! {remark}"));
     }
-    for remark in alike_names(store, at, &observers)? {
+    for remark in alike_names(store, &observers).map_err(fail)? {
         text.line(format!("  ! {remark}"));
     }
     for one in warnings.all() {
@@ -75,12 +76,8 @@ fn film_warnings(path: &Path, text: &str) -> Result<(Warnings, BTreeSet<String>)
 }
 
 /// Remarks on observers of the case whose names differ only by capitals and marks, from each other or from account names.
-fn alike_names(
-    store: &Store,
-    at: &Path,
-    observers: &BTreeSet<String>,
-) -> Result<Vec<String>, Failure> {
-    let accounts = store.accounts().map_err(|error| Failure::store(at, &error))?;
+fn alike_names(store: &Store, observers: &BTreeSet<String>) -> Result<Vec<String>, StoreError> {
+    let accounts = store.accounts()?;
     let accounts = accounts.iter().map(|account| account.name.as_str());
     let alike = alike_observers(observers.iter().map(String::as_str).chain(accounts));
     let of_case = |names: &&Vec<&str>| names.iter().any(|name| observers.contains(*name));

@@ -99,12 +99,6 @@ impl<W: Work> Job<W> {
         Some(found)
     }
 
-    /// Why it failed.
-    pub fn failure(&self) -> Option<&String> {
-        let Ending::Failed(why) = self.ending.get()? else { return None };
-        Some(why)
-    }
-
     /// Ends it with its result; `None` where it was cancelled.
     pub fn end(&self, found: Answer<Option<W::Found>>) {
         let ending = match found {
@@ -117,29 +111,35 @@ impl<W: Work> Job<W> {
     }
 }
 
-/// State of a job and number of its steps.
-pub struct Progress {
+/// State, steps and result of a job; it reads once how the job ended, so state and result agree.
+pub struct Progress<'a, W: Work> {
     /// Running, or how it ended.
     pub state: ComputationState,
     /// Steps that are done.
     pub done: u64,
     /// Number of steps.
     pub asked: u64,
+    /// Its result, once all steps are done.
+    pub found: Option<&'a W::Found>,
+    /// Why it failed.
+    pub failure: Option<String>,
 }
 
-impl Progress {
+impl<'a, W: Work> Progress<'a, W> {
     /// Of a job, if one was begun.
-    pub fn of<W: Work>(job: Option<&Job<W>>) -> Self {
+    pub fn of(job: Option<&'a Job<W>>) -> Self {
         let Some(job) = job else {
-            return Self { state: ComputationState::None, done: 0, asked: 0 };
+            let state = ComputationState::None;
+            return Self { state, done: 0, asked: 0, found: None, failure: None };
         };
-        let state = match job.ending.get() {
-            None => ComputationState::Running,
-            Some(Ending::Done(_)) => ComputationState::Done,
-            Some(Ending::Cancelled) => ComputationState::Cancelled,
-            Some(Ending::Failed(_)) => ComputationState::Failed,
+        let (state, found, failure) = match job.ending.get() {
+            None => (ComputationState::Running, None, None),
+            Some(Ending::Done(found)) => (ComputationState::Done, Some(found), None),
+            Some(Ending::Cancelled) => (ComputationState::Cancelled, None, None),
+            Some(Ending::Failed(why)) => (ComputationState::Failed, None, Some(why.clone())),
         };
-        Self { state, done: job.done.load(Ordering::Relaxed), asked: job.asked }
+        let done = job.done.load(Ordering::Relaxed);
+        Self { state, done, asked: job.asked, found, failure }
     }
 }
 

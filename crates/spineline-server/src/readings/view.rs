@@ -86,10 +86,8 @@ fn view_of(
             .iter()
             .map(|(&level, landmark)| {
                 let pedicles = state.vertebrae.get(&level).map(|known| &known.pedicles);
-                VertebraView {
-                    erect_width_percent: widths.get(&level).map(|ratio| (100.0 * ratio).round()),
-                    ..vertebra(&image, view, level, landmark, pedicles)
-                }
+                let width_ratio = widths.get(&level).copied();
+                vertebra(&image, view, level, landmark, pedicles, width_ratio)
             })
             .collect(),
         crests: SidesView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
@@ -144,6 +142,7 @@ fn vertebra(
     level: Level,
     landmark: &PartialLandmarks,
     pedicles: Option<&BTreeMap<Side, [f64; 2]>>,
+    width_ratio: Option<f64>,
 ) -> VertebraView {
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
         let place = name.of(&landmark.corners)?;
@@ -170,7 +169,7 @@ fn vertebra(
         complete: landmark.complete().is_some(),
         midpoint_px: body.map(|body| pair(body.midpoint)),
         axis,
-        erect_width_percent: None,
+        erect_width_percent: width_ratio.map(|ratio| (100.0 * ratio).round()),
     }
 }
 

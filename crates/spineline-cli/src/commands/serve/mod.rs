@@ -80,7 +80,7 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     let is_new = !args.store.exists();
     let mut store = open(args)?;
     if let Some(case) = case {
-        if is_new && let Err(failure) = add_study(&mut store, case, &args.store) {
+        if is_new && let Err(failure) = add_study(args, &mut store, case) {
             // Removes a store whose only study cannot be made.
             drop(store);
             let _ = std::fs::remove_file(&args.store);
@@ -125,8 +125,9 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
 }
 
 /// Makes the study of a case in a new store.
-fn add_study(store: &mut Store, case: &Path, at: &Path) -> Result<(), Failure> {
-    print(add_case(store, at, case, false, &signature(at)?)?).map(|_| ())
+fn add_study(args: &ServeArgs, store: &mut Store, case: &Path) -> Result<(), Failure> {
+    let fail = |error| Failure::store(&args.store, &error);
+    print(add_case(store, fail, case, false, &signature(&args.store)?)?).map(|_| ())
 }
 
 fn signature(store: &Path) -> Result<Signature, Failure> {

@@ -37,7 +37,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         StudyCommand::Add { cases, accept, .. } => {
             let mut store = Store::open(path).map_err(fail)?;
             for case in cases {
-                print(add_case(&mut store, path, case, *accept, &by()?)?)?;
+                print(add_case(&mut store, fail, case, *accept, &by()?)?)?;
             }
             Ok(Ending::Done)
         }

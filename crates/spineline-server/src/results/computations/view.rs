@@ -9,12 +9,12 @@ use spineline_report::document::Section;
 use spineline_report::patient::parts;
 
 use crate::api::{ComputationName, ComputationView, IntervalView};
-use crate::jobs::{ComputationJob, Found, Job, Progress};
+use crate::jobs::{ComputationJob, Found, Progress};
 use crate::results::sections::section_view;
 
 /// State, progress and results of a computation.
 pub fn view(name: ComputationName, job: Option<&ComputationJob>) -> ComputationView {
-    let Progress { state, done, asked } = Progress::of(job);
+    let Progress { state, done, asked, found, failure } = Progress::of(job);
     let mut view = ComputationView {
         name,
         state,
@@ -22,11 +22,11 @@ pub fn view(name: ComputationName, job: Option<&ComputationJob>) -> ComputationV
         asked,
         intervals: Vec::new(),
         sections: Vec::new(),
-        texts: job.and_then(Job::failure).cloned().into_iter().collect(),
+        texts: failure.into_iter().collect(),
     };
     // Computations exist only for analysed results.
-    if let Some((found, analysis)) =
-        job.and_then(|job| Some((job.found()?, job.result.analysis()?)))
+    if let Some((job, found)) = job.zip(found)
+        && let Some(analysis) = job.result.analysis()
     {
         add(&mut view, analysis, found);
     }

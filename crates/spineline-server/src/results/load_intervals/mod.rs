@@ -16,7 +16,7 @@ use super::computations::replicates::{BLOCK, checked, with_monte_carlo};
 use super::loads::{simulated_file, tables};
 use crate::api::{LineKindName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView, Problem};
 use crate::extract::{Json, Path};
-use crate::jobs::{Job, Jobs, LoadIntervalJob, LoadIntervalWork, Progress};
+use crate::jobs::{Jobs, LoadIntervalJob, LoadIntervalWork, Progress};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 use crate::state::AppState;
@@ -123,17 +123,18 @@ async fn all(state: &AppState, job: &Arc<LoadIntervalJob>) -> Answer<Option<Load
 
 /// State, progress and intervals.
 fn view(job: Option<&LoadIntervalJob>) -> LoadIntervalsView {
-    let Progress { state, done, asked } = Progress::of(job);
+    let Progress { state, done, asked, found, failure } = Progress::of(job);
     let mut view = LoadIntervalsView {
         state,
         done,
         asked,
         file: job.map(|job| job.work.file.clone()).unwrap_or_default(),
         rows: Vec::new(),
-        texts: job.and_then(Job::failure).cloned().into_iter().collect(),
+        texts: failure.into_iter().collect(),
     };
-    let Some(job) = job else { return view };
-    if let (Some(found), Some(analysis)) = (job.found(), job.result.analysis()) {
+    if let Some((job, found)) = job.zip(found)
+        && let Some(analysis) = job.result.analysis()
+    {
         let rows = tables(analysis, &job.work.simulated, Some(found)).intervals();
         let row = |(label, intervals): (String, [String; 3])| LoadIntervalRow {
             label,

@@ -8,14 +8,14 @@ use spineline::spatial::Angle;
 use spineline_files::AppliedLoad;
 
 use crate::api::{FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire};
-use crate::jobs::{Job, PadMapJob, PadMapWork, Progress};
+use crate::jobs::{PadMapJob, PadMapWork, Progress};
 
 /// Equal steps of the force up to the largest one.
 pub const STEPS: u32 = 4;
 
 /// State, progress and map of a computation.
 pub fn view(job: Option<&PadMapJob>) -> PadMapView {
-    let Progress { state, done, asked } = Progress::of(job);
+    let Progress { state, done, asked, found, failure } = Progress::of(job);
     let mut view = PadMapView {
         state,
         done,
@@ -23,9 +23,9 @@ pub fn view(job: Option<&PadMapJob>) -> PadMapView {
         largest_force: job.map(|job| job.work.request.largest_force),
         columns: Vec::new(),
         rows: Vec::new(),
-        texts: job.and_then(Job::failure).cloned().into_iter().collect(),
+        texts: failure.into_iter().collect(),
     };
-    if let Some((job, found)) = job.and_then(|job| Some((job, job.found()?))) {
+    if let Some((job, found)) = job.zip(found) {
         let map = Map { job, largest_rad: largest_rad(found) };
         view.columns = columns(&job.work.trials);
         view.rows = map.rows(found);
