@@ -38,7 +38,7 @@ pub struct Analysis {
     pub analysis: analysis::Analysis,
     pub request: Request,
     pub provenance: Provenance,
-    pub identified: Option<Vec<Option<Identifiability>>>,
+    pub identifiability: Option<Vec<Option<Identifiability>>>,
 }
 
 /// An analysis, and the identifiability of its models if requested.
@@ -81,8 +81,9 @@ pub fn compute(
         let is_stopped = stop.load(Ordering::Relaxed);
         if is_stopped { None } else { found.identifiability(model) }
     };
-    let identified = request.identifiability.then(|| found.models.iter().map(identify).collect());
-    Ok((found, identified))
+    let identifiability =
+        request.identifiability.then(|| found.models.iter().map(identify).collect());
+    Ok((found, identifiability))
 }
 
 impl Analysis {
@@ -91,7 +92,7 @@ impl Analysis {
         Patient {
             analysis: &self.analysis,
             subject: &self.case.subject,
-            identifiability: self.identified.as_deref(),
+            identifiability: self.identifiability.as_deref(),
             uncertainty: None,
         }
     }
@@ -102,17 +103,17 @@ impl Analysis {
             case: &self.case,
             analysis: &self.analysis,
             pictures: &[],
-            identifiability: self.identified.as_deref(),
+            identifiability: self.identifiability.as_deref(),
             uncertainty: None,
             generator,
             json,
         }
     }
 
-    /// Its file.
-    fn stored(&self) -> AnalysisFile {
-        let file = AnalysisFile::new(&self.analysis, (*self.file).clone(), self.provenance.clone());
-        match &self.identified {
+    /// Its file with this provenance.
+    pub fn stored(&self, provenance: &Provenance) -> AnalysisFile {
+        let file = AnalysisFile::new(&self.analysis, (*self.file).clone(), provenance.clone());
+        match &self.identifiability {
             Some(found) => file.with_identifiability(&self.analysis, found),
             None => file,
         }
@@ -167,7 +168,7 @@ impl Analysis {
         check_case(&files, sha256, &case.case.id).map_err(|fault| fault.raise(py))?;
         let request = Request { options, replicates: None, identifiability };
         let found = waited_for(py, &case.case, &request)?;
-        let (found, identified) = found.map_err(|fault| fault.raise(py))?;
+        let (found, identifiability) = found.map_err(|fault| fault.raise(py))?;
         let inputs =
             case.input.iter().cloned().chain(files.into_iter().map(|one| one.file)).collect();
         let films = FilmOrigin::of([case.case.synthetic]);
@@ -179,7 +180,7 @@ impl Analysis {
             analysis: found,
             request,
             provenance,
-            identified,
+            identifiability,
         })
     }
 
@@ -190,7 +191,7 @@ impl Analysis {
         let request = Request { replicates: None, ..stored.request };
         let case = Arc::new(stored.case);
         let found = waited_for(py, &case, &request)?;
-        let (mut found, identified) = found.map_err(|fault| fault.raise(py))?;
+        let (mut found, identifiability) = found.map_err(|fault| fault.raise(py))?;
         let then = parse_json(text).map_err(|error| Fault::from(error).raise(py))?;
         found.warnings.merge(&picture_warnings(&then));
         let again = Self {
@@ -199,9 +200,9 @@ impl Analysis {
             analysis: found,
             provenance: stored.provenance.asking(&request),
             request,
-            identified,
+            identifiability,
         };
-        let now = parse_json(&results_text(&again.stored()));
+        let now = parse_json(&results_text(&again.stored(&again.provenance)));
         let now = now.map_err(|error| Fault::from(error).raise(py))?;
         if results(then) == results(now) {
             return Ok(again);
@@ -271,7 +272,7 @@ impl Analysis {
 
     /// The text of its file.
     fn to_json(&self, py: Python<'_>) -> String {
-        py.detach(|| text_with_hash(results_text(&self.stored())))
+        py.detach(|| text_with_hash(results_text(&self.stored(&self.provenance))))
     }
 
     /// All tables, in the order of the dictionary.
@@ -294,7 +295,8 @@ impl Analysis {
     fn report_html(&self, py: Python<'_>) -> String {
         let made = generator();
         py.detach(|| {
-            text_with_hash(html(&report(&self.reported(&made, &results_line(&self.stored())))))
+            let json = results_line(&self.stored(&self.provenance));
+            text_with_hash(html(&report(&self.reported(&made, &json))))
         })
     }
 
@@ -377,7 +379,7 @@ impl Analysis {
         self.file == other.file
             && self.request == other.request
             && self.analysis == other.analysis
-            && self.identified == other.identified
+            && self.identifiability == other.identifiability
     }
 }
 

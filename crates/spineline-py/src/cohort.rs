@@ -179,7 +179,7 @@ struct Found {
     analysis: Analysis,
     subject: Subject,
     /// Present if replicates are requested.
-    spread: Option<Uncertainty>,
+    uncertainty: Option<Uncertainty>,
 }
 
 impl Found {
@@ -189,9 +189,9 @@ impl Found {
         check_case(&task.option_files, &sha256_hex(text.as_bytes()), &case.id)?;
         let (analysis, _) = compute(&case, &task.request, stop)?;
         let replicates = task.request.replicates.as_ref();
-        let spread = replicates
+        let uncertainty = replicates
             .map(|asked| run_replicates(&case, &analysis, asked, pool, stop, &AtomicU64::new(0)));
-        Ok(Self { spread: spread.transpose()?, analysis, subject: case.subject })
+        Ok(Self { uncertainty: uncertainty.transpose()?, analysis, subject: case.subject })
     }
 }
 
@@ -245,7 +245,7 @@ fn parquet(
             analysis: &found.analysis,
             subject: &found.subject,
             identifiability: None,
-            uncertainty: found.spread.as_ref(),
+            uncertainty: found.uncertainty.as_ref(),
         })
         .collect();
     let inputs: Vec<InputFile> = rows

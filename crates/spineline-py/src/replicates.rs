@@ -14,8 +14,7 @@ use spineline::uncertainty::{
 };
 use spineline_files::method_text::noise;
 use spineline_files::{
-    AnalysisFile, FilmOrigin, Provenance, Replicates as Asked, Request, results_text,
-    text_with_hash,
+    FilmOrigin, Provenance, Replicates as Asked, Request, results_text, text_with_hash,
 };
 use spineline_tables::{Patient, tables};
 
@@ -149,11 +148,7 @@ impl Replicates {
     fn to_json(&self, py: Python<'_>) -> String {
         let of = self.of.get();
         py.detach(|| {
-            let file = AnalysisFile::new(&of.analysis, (*of.file).clone(), self.provenance.clone());
-            let file = match &of.identified {
-                Some(found) => file.with_identifiability(&of.analysis, found),
-                None => file,
-            };
+            let file = of.stored(&self.provenance);
             text_with_hash(results_text(&file.with_uncertainty(&of.analysis, &self.found)))
         })
     }
