@@ -213,6 +213,21 @@ impl LoadFile {
             let reason = format!("`down` has length {length}; it must be a unit vector");
             return Err(self.refused(number, &reason, "divide `down` by its length"));
         }
+        let timing = self.loads[number].timing();
+        let is_twin = |load: &AppliedLoad| {
+            matches!(load, AppliedLoad::Gravity { .. }) && load.timing() == timing
+        };
+        if let Some(first) = self.loads[..number].iter().position(is_twin) {
+            let reason = format!(
+                "load {} is gravity with the same timing: both weights would act",
+                first + 1
+            );
+            return Err(self.refused(
+                number,
+                &reason,
+                "give one `gravity` load with the whole body weight",
+            ));
+        }
         Ok(levels)
     }
 

@@ -121,6 +121,7 @@ fn an_inapplicable_load_is_reported_with_number_kind_and_vertebra() {
         ),
         (r#"{"kind":"gravity","body_weight":-4}"#, ["gravity", "-4"]),
         (r#"{"kind":"gravity","body_weight":4,"down":[0,0,-2]}"#, ["gravity", "length 2"]),
+        (sound, ["load 2 (gravity", "load 1 is gravity with the same timing"]),
     ] {
         let error = refused(&format!("[{sound},{load}]")).to_string();
         assert!(
@@ -128,6 +129,9 @@ fn an_inapplicable_load_is_reported_with_number_kind_and_vertebra() {
             "{error}"
         );
     }
+    let growing = r#"{"kind":"gravity","body_weight":40,"timing":"growing"}"#;
+    let both = parse_load(&file(&format!("[{sound},{growing}]"))).expect("loads");
+    assert!(both.place(&model()).is_ok(), "a held and a growing weight");
 }
 
 #[test]
