@@ -2,7 +2,7 @@
 
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::anatomy::{Level, Posture};
-use spineline::evaluate::Band;
+use spineline::evaluate::{Band, FilmShape};
 use spineline::spatial::Frontal;
 
 use crate::Patient;
@@ -34,33 +34,26 @@ fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
     let compared = analysis.comparison();
     let mut all = Vec::new();
     for (film, bands) in compared.films.iter().zip(&bands.films) {
-        let mut add = |method, band: Option<&Band>, locations: &[Frontal], errors_mm: &[f64]| {
+        let mut add = |method, band: Option<&Band>, shape: &FilmShape| {
             let outline = analysis.movement.film(film.posture).map(|film| &film.outline);
             let Some((band, outline)) = band.zip(outline) else { return };
-            let shown = outline.measured().skip(1).zip(errors_mm);
+            let shown = outline.measured().skip(1).zip(&shape.location_errors_mm);
             all.extend(shown.map(|((i, vertebra), &error_mm)| Predicted {
                 posture: film.posture,
                 role: film.role,
                 method,
                 level: vertebra.level,
-                location: locations[i],
+                location: shape.locations[i],
                 error_mm,
                 radius_mm: band.radii_mm[i - 1],
             }));
         };
         for (line, found) in compared.lines.iter().zip(&film.simulations) {
             let Some(found) = found else { continue };
-            let band = bands.line(line.kind);
-            add(line.kind.key(), band, &found.shape.locations, &found.shape.location_errors_mm);
+            add(line.kind.key(), bands.line(line.kind), &found.shape);
         }
         for found in &film.baselines {
-            let band = bands.baseline(found.baseline);
-            add(
-                found.baseline.key(),
-                band,
-                &found.shape.locations,
-                &found.shape.location_errors_mm,
-            );
+            add(found.baseline.key(), bands.baseline(found.baseline), &found.shape);
         }
     }
     all

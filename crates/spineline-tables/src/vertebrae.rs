@@ -67,15 +67,10 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     })
 }
 
-/// The columns of [`errors_table`], in its order.
-const OF_ERRORS: [&str; 17] = [
-    "case_id",
-    "synthetic",
-    "posture",
-    "level",
-    "measured_y_mm",
-    "measured_z_mm",
-    "measured_tilt_deg",
+/// Columns that [`errors_table`] does not have.
+const NOT_OF_ERRORS: [&str; 3] = ["measured_y_px", "measured_z_px", "origin"];
+/// Its last columns, in their order.
+const LAST_OF_ERRORS: [&str; 10] = [
     "line",
     "fitted",
     "status",
@@ -107,11 +102,11 @@ pub fn errors_table(analyses: &[Analysis]) -> Table {
         simulated(add);
         add.refused();
     });
-    let place = |column: &Series| OF_ERRORS.iter().position(|name| column.name == *name);
     table.columns.retain_mut(|column| {
         column.format = NumberFormat::Places(4);
-        place(column).is_some()
+        !NOT_OF_ERRORS.contains(&column.name.as_str())
     });
+    let place = |column: &Series| LAST_OF_ERRORS.iter().position(|name| column.name == *name);
     table.columns.sort_by_key(place);
     table
 }

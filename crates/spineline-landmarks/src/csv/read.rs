@@ -67,7 +67,7 @@ pub(super) fn parse(
         columns,
         hint,
         decimal: DecimalMark::beside(separator),
-        named: [None; 2],
+        named: BTreeMap::new(),
         films: BTreeMap::new(),
         not_placed: Vec::new(),
     };
@@ -131,8 +131,8 @@ struct Table<'a> {
     columns: Columns,
     hint: &'a LandmarkHint,
     decimal: DecimalMark,
-    /// Whether rows state an observer, and a repeat; all rows or none.
-    named: [Option<bool>; 2],
+    /// Whether rows state an observer, and a repeat, by name of the column; all rows or none.
+    named: BTreeMap<&'static str, bool>,
     films: BTreeMap<Option<Posture>, FilmRows>,
     /// Rows without landmarks.
     not_placed: Vec<String>,
@@ -391,19 +391,18 @@ impl Table<'_> {
         named(cell, "posture", &place(line, POSTURE)).map(Some)
     }
 
-    /// The cell of the observer (0) or the repeat (1), which must be filled in all rows or in none; `None` if it is empty.
+    /// The cell of the observer or the repeat, which must be filled in all rows or in none; `None` if it is empty.
     fn naming<'a>(
         &mut self,
-        which: usize,
         record: &'a ByteRecord,
         line: u64,
+        column: Option<usize>,
+        name: &'static str,
     ) -> Result<Option<&'a str>, LandmarkError> {
-        let column = [self.columns.observer, self.columns.repeat][which];
         let Some(column) = column else { return Ok(None) };
-        let name = [OBSERVER, REPEAT][which];
         let cell = text(record, column, line, name)?;
         let is_filled = !cell.is_empty();
-        if *self.named[which].get_or_insert(is_filled) != is_filled {
+        if *self.named.entry(name).or_insert(is_filled) != is_filled {
             let (at, what) = (format!("line {line}"), format!("the {name}, which other rows"));
             let verb = if is_filled { " lack," } else { " have," };
             return Err(LandmarkError::Missing { at, what: what + verb });
@@ -413,7 +412,7 @@ impl Table<'_> {
 
     fn reading(&mut self, record: &ByteRecord, line: u64) -> Result<ReadingId, LandmarkError> {
         let mut id = self.hint.reading.clone();
-        if let Some(cell) = self.naming(0, record, line)? {
+        if let Some(cell) = self.naming(record, line, self.columns.observer, OBSERVER)? {
             if starts_formula(cell) {
                 return Err(LandmarkError::Value {
                     at: place(line, OBSERVER),
@@ -423,7 +422,7 @@ impl Table<'_> {
             }
             id.observer = observer(unguarded(cell), &place(line, OBSERVER))?;
         }
-        if let Some(cell) = self.naming(1, record, line)? {
+        if let Some(cell) = self.naming(record, line, self.columns.repeat, REPEAT)? {
             id.repeat = whole_number(cell).filter(|&repeat| repeat > 0).ok_or_else(|| {
                 LandmarkError::Value {
                     at: place(line, REPEAT),
