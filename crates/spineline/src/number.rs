@@ -1,6 +1,13 @@
-//! Numbers as text for people. Messages, reports and the program's own texts write numbers by these functions.
+//! Numbers: their mean, and their text for people. Messages, reports and the program's own texts write numbers by these functions.
 
 use serde::{Deserialize, Deserializer};
+
+/// Mean of some values; `None` without a value.
+#[must_use]
+pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.into_iter().fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}
 
 /// Text in place of a missing number.
 #[must_use]

@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, LinesCompared, analyze};
 use spineline::cohort::{Cohort, CohortPatient, learn_rotation_prior};
-use spineline::evaluate::{Baseline, statistics};
+use spineline::evaluate::Baseline;
+use spineline::number;
 use spineline_files::parse_case;
 
 /// Differences from `validation/lines.md` and `docs/decisions/0034` that are worth a correction there.
@@ -28,14 +29,14 @@ fn analyzed(case: &Case, options: &AnalysisOptions) -> Analysis {
 }
 
 fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
-    statistics::mean(values).expect("predicted bends")
+    number::mean(values).expect("predicted bends")
 }
 
 /// Mean error of a line on the left-out bends of a patient that it predicts; `None` without one.
 fn line_error_mm(compared: &LinesCompared, kind: LineKind) -> Option<f64> {
     let place = compared.lines.iter().position(|line| line.kind == kind)?;
     let films = compared.films.iter().filter(|film| film.role == FilmRole::LeftOutBend);
-    statistics::mean(
+    number::mean(
         films.filter_map(|film| {
             Some(film.simulations[place].as_ref()?.shape.mean_location_error_mm())
         }),

@@ -2,8 +2,8 @@
 
 use super::comparison::FilmRole;
 use crate::action::LineKind;
-use crate::evaluate::statistics::mean;
 use crate::evaluate::{Band, Baseline};
+use crate::number::mean;
 
 /// The bands of a film, by method.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,12 @@
 //! Lines of action on the same films, with the numbers of their parameters and every bend left out once.
 
 use crate::anatomy::named;
-use crate::number::fixed;
+use crate::number::{fixed, mean};
 use std::sync::OnceLock;
 
 use super::LineModel;
 use crate::action::LineKind;
 use crate::anatomy::Posture;
-use crate::evaluate::statistics::mean;
 use crate::evaluate::{Baseline, BaselinePrediction, Simulation};
 use crate::personalize::{FitTarget, Gauge};
 

@@ -2,6 +2,7 @@
 
 use super::models::{bending_loads, fit_films, settings_of};
 use super::{Analysis, LineModel};
+use crate::number::mean;
 use crate::personalize::{FitStatus, GroupStiffness, Identifiability, StiffnessBound, identify};
 use crate::warning::Warnings;
 
@@ -85,8 +86,7 @@ impl Analysis {
         let mut found =
             identify(&springs, &films, &settings_of(movement, &self.options, &[]), &model.fit)?;
         // Predictions are about their mean, the multipliers of a fit about theirs.
-        let logs = &model.fit.log_multipliers;
-        let level = logs.iter().sum::<f64>() / logs.len() as f64;
+        let level = mean(model.fit.log_multipliers.iter().copied())?;
         for (one, group) in
             found.multipliers.iter_mut().zip(self.group_stiffness(model).into_iter().flatten())
         {

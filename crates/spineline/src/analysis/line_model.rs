@@ -3,8 +3,8 @@
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::Simulation;
-use crate::evaluate::statistics::mean;
 use crate::multibody::{JointGroups, StiffnessLibrary, coupled_matrix};
+use crate::number::mean;
 use crate::personalize::{FitStatus, Gauge, Personalization};
 use crate::spatial::Mat3;
 

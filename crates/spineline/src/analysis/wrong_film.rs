@@ -2,6 +2,7 @@
 
 use super::film_likelihood::{FilmDifference, Taken, is_clear};
 use crate::anatomy::{Level, Levels, Side};
+use crate::evaluate::statistics::Summary;
 use crate::measure::{Film, FilmLandmarks, Outline, body_shapes, median};
 use crate::number::fixed;
 use crate::spatial::Angle;
@@ -182,10 +183,7 @@ fn shape_difference(a: &Outline, b: &Outline, sign: f64) -> String {
         .zip(&b.vertebrae)
         .map(|(a, b)| b.tilt.deg() - sign * a.tilt.deg())
         .collect();
-    let count = differences.len() as f64;
-    let mean = differences.iter().sum::<f64>() / count;
-    let squares: f64 = differences.iter().map(|one| (one - mean).powi(2)).sum();
-    format!("{}°", fixed((squares / (count - 1.0)).sqrt(), 1))
+    format!("{}°", fixed(Summary::of(&differences).sd, 1))
 }
 
 /// Bodies of one film against the erect film. A common factor, such as another magnification, makes no difference.

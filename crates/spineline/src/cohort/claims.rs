@@ -3,10 +3,11 @@ use crate::analysis::{Analysis, FilmMovement};
 use crate::anatomy::named;
 use crate::evaluate::Simulation;
 use crate::evaluate::statistics::{
-    Share, Summary, cluster_bootstrap, mean, paired_t, quantile, ratio_bootstrap,
+    Share, Summary, cluster_bootstrap, paired_t, quantile, ratio_bootstrap,
 };
 use crate::measure::Outline;
 use crate::motion::least_windows;
+use crate::number::mean;
 use crate::spatial::Frontal;
 
 use super::RESAMPLES;

@@ -21,8 +21,8 @@
 
 use super::film_covariance::FilmCovariance;
 use super::film_shape::FilmShape;
-use super::statistics::mean;
 use crate::clinical::Regions;
+use crate::number::mean;
 use crate::spatial::Angle;
 
 /// A film as a method predicts it, beside the measured film.

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::bend_rotations::joint_angles;
-use super::film_shape::FilmShape;
+use super::film_shape::{FilmShape, ShownVertebra};
 use super::rotation_prior::RotationPrior;
 use crate::anatomy::{Level, Posture, named};
 use crate::least_squares::{FitStatus, Minimum, System, minimize};
@@ -139,7 +139,7 @@ pub(crate) struct FilmFromTop {
     /// Standard deviation of a coordinate of it relative to the base.
     pub top_sd_mm: f64,
     pub turn: TurnOfTop,
-    /// The vertebrae above the base that the film shows, caudal first, and their places in the chain.
+    /// Places and levels of the vertebrae above the base, caudal first.
     pub shown: Box<[(u8, Level)]>,
     /// Their locations on the outline of the film.
     pub locations: Box<[Frontal]>,
@@ -148,15 +148,15 @@ pub(crate) struct FilmFromTop {
 impl FilmFromTop {
     pub fn of(erect: &Outline, film: &Outline) -> Self {
         let last = film.vertebrae.len() - 1;
-        let shown = || film.measured().skip(1);
+        let shown = || ShownVertebra::all_of(film);
         Self {
             posture: film.posture,
             length: film.length,
             top: film.vertebrae[last].location * film.length.scale.factor,
             top_sd_mm: film.top_sd_mm(),
             turn: TurnOfTop::of(erect, film),
-            shown: shown().map(|(i, vertebra)| (i as u8, vertebra.level)).collect(),
-            locations: shown().map(|(_, vertebra)| vertebra.location).collect(),
+            shown: shown().map(|one| (one.place, one.level)).collect(),
+            locations: shown().map(|one| one.location).collect(),
         }
     }
 
@@ -235,21 +235,12 @@ impl FilmFromTop {
         let factor = scale.factor / self.length.scale.factor;
         let found = fit.rotations_at(&end.x);
         let carried = erect.carried(&found).locations;
-        let locations: Vec<Frontal> =
-            carried.into_iter().map(|location| location * factor).collect();
-        let errors = |(&(place, level), &location): (&(u8, Level), &Frontal)| {
-            (level, locations[usize::from(place)].distance_mm(location))
-        };
-        let (compared, location_errors_mm) =
-            self.shown.iter().zip(&self.locations).map(errors).unzip();
+        let locations = carried.into_iter().map(|location| location * factor).collect();
+        let shown = self.shown.iter().zip(&self.locations);
+        let shown =
+            shown.map(|(&(place, level), &location)| ShownVertebra { place, level, location });
         BaselinePrediction {
-            shape: FilmShape {
-                posture: self.posture,
-                scale,
-                locations,
-                compared,
-                location_errors_mm,
-            },
+            shape: FilmShape::beside(self.posture, scale, locations, shown),
             baseline,
             status: end.status,
             amount: rotations.is_free.then(|| end.x[0]),

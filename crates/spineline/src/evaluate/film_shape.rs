@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::statistics::mean;
 use crate::anatomy::{Level, Posture};
-use crate::measure::{FilmScale, Outline};
+use crate::measure::{FilmLength, FilmScale, Outline};
+use crate::number::mean;
 use crate::spatial::Frontal;
 
 /// A shape beside the film that it is compared with, in the frame and at the scale of the film's outline.
@@ -30,16 +30,21 @@ impl FilmShape {
     /// If the film shows a vertebra without a location.
     #[must_use]
     pub fn new(locations: Vec<Frontal>, film: &Outline) -> Self {
-        let shown = || film.measured().skip(1);
-        Self {
-            posture: film.posture,
-            scale: film.length.scale,
-            compared: shown().map(|(_, vertebra)| vertebra.level).collect(),
-            location_errors_mm: shown()
-                .map(|(i, vertebra)| locations[i].distance_mm(vertebra.location))
-                .collect(),
-            locations,
-        }
+        Self::beside(film.posture, film.length.scale, locations, ShownVertebra::all_of(film))
+    }
+
+    /// As [`Self::new`], beside the vertebrae above the base.
+    pub(super) fn beside(
+        posture: Posture,
+        scale: FilmScale,
+        locations: Vec<Frontal>,
+        shown: impl Iterator<Item = ShownVertebra>,
+    ) -> Self {
+        let error = |ShownVertebra { place, level, location }| {
+            (level, locations[usize::from(place)].distance_mm(location))
+        };
+        let (compared, location_errors_mm) = shown.map(error).unzip();
+        Self { posture, scale, locations, compared, location_errors_mm }
     }
 
     /// Location error of a vertebra; `None` where the film does not show it.
@@ -56,13 +61,59 @@ impl FilmShape {
     }
 
     /// A shape that was compared at the scale found for it, in the lengths of the film as it was given.
-    pub(crate) fn in_lengths_of(self, film: &Outline, found: FilmScale) -> Self {
-        let factor = found.factor / film.length.scale.factor;
+    pub(crate) fn in_lengths_of(self, film: &FilmLength, found: FilmScale) -> Self {
+        let factor = found.factor / film.scale.factor;
         Self {
             scale: found,
             locations: self.locations.iter().map(|&location| location * factor).collect(),
             location_errors_mm: self.location_errors_mm.iter().map(|mm| mm * factor).collect(),
             ..self
         }
+    }
+}
+
+/// A vertebra above the base that a film shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ShownVertebra {
+    /// Its place in the chain.
+    pub place: u8,
+    pub level: Level,
+    /// On the outline of the film.
+    pub location: Frontal,
+}
+
+impl ShownVertebra {
+    /// All of a film, caudal first.
+    pub fn all_of(film: &Outline) -> impl Iterator<Item = Self> {
+        film.measured().skip(1).map(|(i, vertebra)| Self {
+            place: i as u8,
+            level: vertebra.level,
+            location: vertebra.location,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn locations_and_errors_follow_the_found_scale() {
+        let shape = FilmShape {
+            posture: Posture::Erect,
+            scale: FilmScale::ONE,
+            locations: vec![Frontal::default(), Frontal::new(3.0, 40.0)],
+            compared: vec![Level::L3],
+            location_errors_mm: vec![2.0],
+        };
+        let scale = |factor| FilmScale { factor, log_sd: 0.01 };
+        let film = FilmLength { scale: scale(0.5), ..FilmLength::ERECT };
+        let expected = FilmShape {
+            scale: scale(0.75),
+            locations: vec![Frontal::default(), Frontal::new(4.5, 60.0)],
+            location_errors_mm: vec![3.0],
+            ..shape.clone()
+        };
+        assert_eq!(shape.in_lengths_of(&film, scale(0.75)), expected);
     }
 }

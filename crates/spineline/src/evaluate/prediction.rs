@@ -34,7 +34,7 @@ pub fn predict(
         fitted: false,
         status: if converged { prediction.status } else { PathEnding::NotConverged },
         line: LineOfAction { point: point * factor, ..prediction.line },
-        shape: prediction.shape.in_lengths_of(film.outline, scale),
+        shape: prediction.shape.in_lengths_of(&film.outline.length, scale),
         ..prediction
     }
 }

@@ -1,7 +1,7 @@
 //! Hypotheses side by side over some patients.
 
 use super::{Criteria, Hypothesis, HypothesisFit, Role};
-use crate::evaluate::statistics::mean;
+use crate::number::mean;
 use crate::spatial::Angle;
 
 /// The numbers of a patient's fit for a comparison, without the shapes.

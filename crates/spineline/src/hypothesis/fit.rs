@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::prediction::{FoundLoad, Predicted, Predictor, Role, ShapePrediction};
 use super::{Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
-use crate::evaluate::statistics::mean;
 use crate::least_squares::FitStatus;
 use crate::multibody::{FilmUnderLoad, LoadedFilm, PathEnding, Wanted};
+use crate::number::mean;
 use crate::personalize::{Base, FilmData, Personalization, Problem, fit};
 use crate::spatial::Angle;
 
@@ -186,13 +186,11 @@ impl FittedHypothesis<'_> {
         spine: &'s Spine<'b>,
         role: Role,
     ) -> Result<Predictor<'s, 'b>, PathEnding> {
-        let by = || Predictor {
-            hypothesis: self.hypothesis,
-            spine,
-            log_multipliers: &self.found.log_multipliers,
-            role,
-        };
-        self.is_evaluable().then(by).ok_or(PathEnding::NotConverged)
+        if !self.is_evaluable() {
+            return Err(PathEnding::NotConverged);
+        }
+        let log_multipliers = &self.found.log_multipliers;
+        Ok(Predictor { hypothesis: self.hypothesis, spine, log_multipliers, role })
     }
 
     fn criteria(&self) -> Criteria {

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::{Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::named;
 use crate::evaluate::FilmShape;
-use crate::evaluate::statistics::mean;
 use crate::measure::{FilmScale, Outline};
 use crate::multibody::{FilmUnderLoad, LoadedFilm, PathEnding};
+use crate::number::mean;
 use crate::spatial::Angle;
 
 named! {
@@ -63,7 +63,7 @@ pub struct ShapePrediction {
 impl ShapePrediction {
     /// A prediction at its own scale, in the lengths of the given film.
     pub(super) fn in_lengths_of(self, film: &HypothesisFilm<'_>, scale: FilmScale) -> Self {
-        Self { shape: self.shape.in_lengths_of(film.outline, scale), ..self }
+        Self { shape: self.shape.in_lengths_of(&film.outline.length, scale), ..self }
     }
 }
 

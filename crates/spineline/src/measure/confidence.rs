@@ -4,7 +4,7 @@ use super::{
     CornerName, FilmPlace, MeasureError, MeasureFault, Reading, ReadingId, VertebraLandmarks,
 };
 use crate::anatomy::{Level, Posture};
-use crate::number::fixed;
+use crate::number::{fixed, mean};
 use crate::warning::{WarningCode, Warnings};
 
 /// Confidence below which a landmark is doubted: the program itself takes it to be as likely wrong as right. How well a
@@ -49,13 +49,8 @@ pub(super) fn warn_of_confidence(
         })
         .collect();
     let Some(&(level, _, least)) = lowest.iter().min_by(|a, b| a.2.total_cmp(&b.2)) else { return };
-    let all: Vec<f64> = reading
-        .vertebrae
-        .values()
-        .filter_map(|landmark| landmark.confidence)
-        .flat_map(|corners| corners.points())
-        .collect();
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    let all = reading.vertebrae.values().filter_map(|landmark| landmark.confidence);
+    let Some(mean) = mean(all.flat_map(|corners| corners.points())) else { return };
     let text = format!(
         "observer {id}: a program found these landmarks, with a mean confidence of {} and a lowest of {} ({level}): check them on the film",
         fixed(mean, 2),

@@ -1,5 +1,6 @@
 use super::{Film, FilmLandmarks, ImageGeometry, Outline, VertebraLandmarks};
 use crate::anatomy::{Level, Levels};
+use crate::number::mean;
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// Where the global frame of an outline lies on its film: points of `G` as sub-pixel places of the picture, and back.
@@ -151,13 +152,13 @@ pub(crate) fn body_shapes(film: &Film, levels: Levels) -> Vec<Option<[f64; 2]>> 
     let shape = |level: Level| {
         let landmarks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
         let shapes: Vec<[f64; 2]> = landmarks.map(|landmark| body_shape(image, landmark)).collect();
-        let mean = |side: usize| {
+        let mean_of = |side: usize| {
             let mut sizes: Vec<f64> = shapes.iter().map(|shape| shape[side]).collect();
             // The order of the readings must not change a bit.
             sizes.sort_by(f64::total_cmp);
-            sizes.iter().sum::<f64>() / sizes.len() as f64
+            mean(sizes)
         };
-        (!shapes.is_empty()).then(|| [mean(0), mean(1)])
+        Some([mean_of(0)?, mean_of(1)?])
     };
     levels.iter().map(shape).collect()
 }

@@ -3,7 +3,7 @@
 use super::bodies::{CheckedFilm, ReadBodies, median};
 use super::{Corners, ReadingId};
 use crate::anatomy::Level;
-use crate::number::fixed;
+use crate::number::{fixed, mean};
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
 
@@ -42,7 +42,7 @@ impl Pair {
                 Some((*midpoint)?.distance_mm(same?) / step)
             });
             let all: Vec<f64> = common.collect();
-            (all.len() >= MIN_COMMON).then(|| all.iter().sum::<f64>() / all.len() as f64)
+            (all.len() >= MIN_COMMON).then_some(all).and_then(mean)
         };
         let same = apart(0)?;
         let shifts = [1, -1, 2, -2].into_iter().filter_map(|shift| Some((shift, apart(shift)?)));

@@ -105,7 +105,7 @@ impl<'a> JointResponses<'a> {
         // Newtons and newton millimetres differ by hundreds; scaled columns keep the solve well conditioned.
         let scale = Vector3::from_fn(|i, _| 1.0 / f64::sqrt(normal[(i, i)]).max(f64::MIN_POSITIVE));
         let scaled = Matrix3::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
-        let inverse = inverse_of(scaled);
+        let inverse = inverse_of_scaled(scaled);
         let inverse = Matrix3::from_fn(|i, j| inverse[(i, j)] * scale[i] * scale[j]);
         inverse * right
     }
@@ -127,7 +127,7 @@ impl<'a> JointResponses<'a> {
 }
 
 /// Inverse of a symmetric matrix with a diagonal of ones; a pseudo-inverse if it is nearly singular.
-fn inverse_of(scaled: Matrix3<f64>) -> Matrix3<f64> {
+fn inverse_of_scaled(scaled: Matrix3<f64>) -> Matrix3<f64> {
     /// Below this pivot, digits are lost; a pseudo-inverse keeps the rest.
     const SAFE_PIVOT: f64 = 1e-3;
     match scaled.cholesky() {

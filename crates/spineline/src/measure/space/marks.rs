@@ -6,6 +6,7 @@ use crate::anatomy::Level;
 use crate::measure::bodies::{ReadBodies, corner_sd, crossing_sd};
 use crate::measure::means::average;
 use crate::measure::{Film, MeasureError, Outline, TiltRule, measure_readings};
+use crate::number::mean;
 use crate::spatial::{Angle, Frontal};
 
 /// One vertebra on the frontal film, upright as that film hung.
@@ -62,6 +63,6 @@ pub(super) fn mean_shape(readings: &[ReadBodies<'_>], level: Level) -> Option<[f
         bodies.map(|body| [body.mean_width_mm(), body.height_mm()]).collect();
     // Sums in a fixed order: the order of the readings must not reach the last bit.
     shapes.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
-    let mean = |side: usize| shapes.iter().map(|one| one[side]).sum::<f64>() / shapes.len() as f64;
-    (!shapes.is_empty()).then(|| [mean(0), mean(1)])
+    let mean_of = |side: usize| mean(shapes.iter().map(|one| one[side]));
+    Some([mean_of(0)?, mean_of(1)?])
 }
