@@ -27,7 +27,7 @@ pub use fault::MarkingFault;
 pub use midline::{Midline, MidlineEnd, MidlineError, MidlinePoint};
 pub use proposal::{NextLandmark, ProposedVertebra};
 pub use reading::{MarkedBody, PartialLandmarks, PartialReading, turn_axis_towards};
-pub use series::{LevelMatch, NamelessBody};
+pub use series::{LevelMatch, NamelessBody, SecondMatch};
 pub use spacing_evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };

@@ -35,7 +35,7 @@ pub(super) async fn detection(
     user: User,
     Path(reading): Path<i64>,
 ) -> Answer<Json<DetectionView>> {
-    let Proposing { seen, erect, .. } = proposing(&state, user, reading).await?;
+    let Proposing { seen, marked, erect } = proposing(&state, user, reading).await?;
     let film = seen.film;
     if film.view == FilmView::Lateral {
         let text = "the program finds vertebrae on frontal films only".to_owned();
@@ -49,7 +49,7 @@ pub(super) async fn detection(
     let found = computed(move || {
         let values = values(&shown);
         match detect(&picture(&shown, &image, &values)) {
-            Ok(found) => view(found, &image, erect.as_ref(), is_other),
+            Ok(found) => view(found, &image, erect.as_ref(), marked.crests, is_other),
             Err(refusal) => refused(refusal.to_string()),
         }
     });
@@ -138,6 +138,7 @@ fn view(
     found: Detection,
     image: &ImageGeometry,
     erect: Option<&ErectFilm>,
+    crests: [Option<Pixel>; 2],
     is_other_posture: bool,
 ) -> DetectionView {
     let mut doubts = found.doubts();
@@ -149,7 +150,7 @@ fn view(
         vertebrae.retain(|found| found.is_seen);
         let body =
             |found: &DetectedVertebra| NamelessBody { corners: found.corners, votes: found.votes };
-        erect.match_levels(image, &vertebrae.iter().map(body).collect::<Vec<_>>())
+        erect.match_levels(image, &vertebrae.iter().map(body).collect::<Vec<_>>(), crests)
     });
     let mut doubt = (!doubts.is_empty()).then(|| doubts.join("; "));
     if let Some(matched) = &matched {

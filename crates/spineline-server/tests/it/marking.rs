@@ -180,5 +180,13 @@ fn a_bend_is_completed_from_ten_clicks_and_the_erect_film() {
 
     let found = browser.post(&format!("/api/readings/{reading}/detection"), &json!(null)).json();
     let matched = found["levels"].as_str().expect("a match");
-    assert!(matched.starts_with("matched to the erect film; second best is"), "{matched}");
+    assert!(matched.starts_with("matched to the erect film; second best puts"), "{matched}");
+    let crests = ["left", "right"].map(|side| {
+        let place = &truth["crests"][format!("{side}_px")];
+        json!({ "kind": "place_iliac_crest", "side": side, "column_px": place[0], "row_px": place[1] })
+    });
+    assert_eq!(record(&browser, reading, 11, json!(crests)).status, StatusCode::OK);
+    let found = browser.post(&format!("/api/readings/{reading}/detection"), &json!(null)).json();
+    let matched = found["levels"].as_str().expect("a match");
+    assert!(matched.starts_with("matched to the erect film and the crests; second"), "{matched}");
 }

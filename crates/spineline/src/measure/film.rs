@@ -275,6 +275,14 @@ pub struct IliacCrests {
     pub right: Pixel,
 }
 
+impl IliacCrests {
+    /// The middle between both on their picture.
+    #[must_use]
+    pub fn middle(self, image: &ImageGeometry) -> Frontal {
+        (image.frontal(self.left) + image.frontal(self.right)) * 0.5
+    }
+}
+
 /// The landmarks of a film, or its locations and tilts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FilmLandmarks {

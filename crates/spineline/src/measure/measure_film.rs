@@ -205,8 +205,7 @@ fn place_film(
     }
     let iliac_normal = iliac_crests.map(|crests| iliac_normal(image, crests));
     let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
-    let iliac_middle = iliac_crests
-        .map(|crests| (image.frontal(crests.left) + image.frontal(crests.right)) * (0.5 * per_mm));
+    let iliac_middle = iliac_crests.map(|crests| crests.middle(image) * per_mm);
     Ok(PlacedFilm { readings, scale, iliac_normal, iliac_middle })
 }
 
