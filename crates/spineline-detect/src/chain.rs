@@ -2,9 +2,9 @@
 //!
 //! A chain gives levels to some centres, from above: the next centre has the next level, or the one after it. Its odds are the product
 //! of a factor per vertebra, by its probability and its votes for the level, and of a factor per step, by its length and direction
-//! ([`Lattice`]). The most probable chain names the vertebrae; the sum over all chains gives the probability of their levels
-//! (forward-backward recursion). The five numbers below were fitted to labelled films by maximum likelihood
-//! (`training/landmarks/levels.py`).
+//! ([`Lattice`]). Iliac crests that a person marked vote on the levels of the nearest centres. The most probable chain names the
+//! vertebrae; the sum over all chains gives the probability of their levels (forward-backward recursion). Gain, costs and weights below,
+//! five numbers, were fitted to labelled films by maximum likelihood (`training/landmarks/levels.py`).
 
 use crate::count::LevelCount;
 use crate::peaks::{LEVELS, Peak, from, length};
@@ -20,6 +20,13 @@ const VOTE_FLOOR: f64 = 0.01;
 const STEP_WEIGHT: f64 = 0.06;
 /// Cost of a vertebra without a centre.
 const SKIP_COST: f64 = 2.35;
+
+/// Vertebrae beside which the iliac crests lie, of 802 adults, by level from T1 down (L3, L4, L5); the others are spread evenly
+/// [ctspinopelvic1k].
+const CRESTS_BESIDE: [(usize, f64); 3] = [(14, 73.0), (15, 645.0), (16, 43.0)];
+const ADULTS: f64 = 802.0;
+/// The crests vote on this many nearest centres, in equal parts, because one of them may not be a vertebra.
+const NEAR_CRESTS: usize = 3;
 
 /// Distance between neighbouring centres over the height of a vertebra: geometric mean of the training films.
 const STEP_OVER_HEIGHT: f64 = 1.37;
@@ -68,8 +75,37 @@ struct Lattice {
 /// A centre as a level.
 type State = (usize, usize);
 
+/// Adds the votes of the crests' middle to the odds of the nearest centres.
+fn add_crests(own: &mut [[f64; LEVELS]], peaks: &[Peak], crests: [f64; 2]) {
+    // By how many levels the crests lie below each centre.
+    let below = |peak: &Peak| {
+        let (way, axis) = (from(peak.centre, crests), peak.axis());
+        (way[0] * axis[0] + way[1] * axis[1]) / (STEP_OVER_HEIGHT * peak.height().powi(2))
+    };
+    let mut nearest: Vec<(usize, f64)> = peaks.iter().map(below).enumerate().collect();
+    nearest.sort_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    for &(peak, below) in nearest.iter().take(NEAR_CRESTS) {
+        for (level, odds) in own[peak].iter_mut().enumerate() {
+            *odds += crest_vote(level as f64 + below).ln() / NEAR_CRESTS as f64;
+        }
+    }
+}
+
+/// Share of people whose crests lie at a level, times the number of levels; linear between levels.
+fn crest_vote(level: f64) -> f64 {
+    let known: f64 = CRESTS_BESIDE.iter().map(|(_, people)| *people).sum();
+    let rest = (ADULTS - known) / (LEVELS - CRESTS_BESIDE.len()) as f64;
+    let people = |level: isize| {
+        let found = CRESTS_BESIDE.iter().find(|(place, _)| *place as isize == level);
+        found.map_or(rest, |(_, people)| *people)
+    };
+    let (lower, part) = (level.floor() as isize, level - level.floor());
+    let people = people(lower) * (1.0 - part) + people(lower + 1) * part;
+    people / ADULTS * LEVELS as f64
+}
+
 impl Lattice {
-    fn of(peaks: &[Peak]) -> Self {
+    fn of(peaks: &[Peak], crests: Option<[f64; 2]>) -> Self {
         let mut peaks = peaks.to_vec();
         peaks.sort_by(|a, b| a.centre[1].total_cmp(&b.centre[1]));
         let own = |peak: &Peak| {
@@ -86,7 +122,11 @@ impl Lattice {
                 }
             }
         }
-        Self { own: peaks.iter().map(own).collect(), peaks, links }
+        let mut own: Vec<[f64; LEVELS]> = peaks.iter().map(own).collect();
+        if let Some(crests) = crests {
+            add_crests(&mut own, &peaks, crests);
+        }
+        Self { own, peaks, links }
     }
 
     /// The most probable chain, from above.
@@ -191,9 +231,10 @@ pub struct Chain {
     pub count: LevelCount,
 }
 
-/// The most probable chain of the centres of a film. An unseen vertebra is put between its neighbours.
-pub fn chain_of(peaks: &[Peak]) -> Option<Chain> {
-    let lattice = Lattice::of(peaks);
+/// The most probable chain of the centres of a film, also by the middle of the iliac crests where a person marked them. An unseen vertebra
+/// is put between its neighbours.
+pub fn chain_of(peaks: &[Peak], crests: Option<[f64; 2]>) -> Option<Chain> {
+    let lattice = Lattice::of(peaks, crests);
     let states = lattice.best()?;
     let mut chain: Vec<Peak> = Vec::new();
     for (place, &(peak, level)) in states.iter().enumerate() {
@@ -244,16 +285,16 @@ mod tests {
         let mut aside = peak(20.0 + 2.5 * STEP, 3);
         aside.centre[0] += 80.0;
         peaks.push(aside);
-        let chain = chain_of(&peaks).expect("a chain");
+        let chain = chain_of(&peaks, None).expect("a chain");
         assert_eq!((chain.peaks.len(), chain.first_level), (6, 0));
         assert!(chain.peaks.iter().all(|peak| peak.is_seen && peak.centre[0] < 100.0));
-        assert!(chain_of(&[]).is_none());
+        assert!(chain_of(&[], None).is_none());
     }
 
     #[test]
     fn a_missing_vertebra_is_put_between_its_neighbours() {
         let peaks: Vec<Peak> = [0, 1, 3, 4].map(|k| peak(row(k), k)).to_vec();
-        let chain = chain_of(&peaks).expect("a chain");
+        let chain = chain_of(&peaks, None).expect("a chain");
         assert_eq!(chain.peaks.len(), 5);
         assert!(!chain.peaks[2].is_seen && (chain.peaks[2].centre[1] - row(2)).abs() < 1e-9);
     }
@@ -284,7 +325,7 @@ mod tests {
         let mut peaks: Vec<Peak> = [0, 1, 2, 4, 5].map(|k| peak(row(k), k + 3)).to_vec();
         peaks[1].probability = 0.3;
         peaks.push(Peak { probability: 0.2, ..peak(row(2) + 9.0, 6) });
-        let lattice = Lattice::of(&peaks);
+        let lattice = Lattice::of(&peaks, None);
         let all = every_chain(&lattice);
         let total: f64 = all.iter().map(|(_, log_odds)| log_odds.exp()).sum();
         let share = |holds: &dyn Fn(&[State]) -> bool| {
@@ -307,7 +348,7 @@ mod tests {
     fn votes_decide_the_count_and_torn_votes_make_it_improbable() {
         let of = |shift: [usize; 9]| -> LevelCount {
             let peaks: Vec<Peak> = (0..9).map(|k| peak(row(k), k + shift[k])).collect();
-            let chain = chain_of(&peaks).expect("a chain");
+            let chain = chain_of(&peaks, None).expect("a chain");
             assert_eq!((chain.peaks.len(), chain.first_level), (9, 2));
             chain.count
         };
@@ -320,7 +361,7 @@ mod tests {
     #[test]
     fn a_whole_chain_is_sure_and_an_eighteenth_centre_makes_it_doubtful() {
         let mut peaks: Vec<Peak> = (0..17).map(|k| peak(row(k), k)).collect();
-        let chain = chain_of(&peaks).expect("a chain");
+        let chain = chain_of(&peaks, None).expect("a chain");
         assert!(chain.peaks.len() == 17 && chain.count.is_sure(), "{}", chain.count);
         // Every vertebra votes for two levels alike.
         peaks.push(peak(row(17), 16));
@@ -328,8 +369,42 @@ mod tests {
             let is_voted = |level: usize| level == k || level + 1 == k;
             peak.levels = std::array::from_fn(|level| if is_voted(level) { 0.5 } else { 0.0 });
         }
-        let count = chain_of(&peaks).expect("a chain").count;
+        let count = chain_of(&peaks, None).expect("a chain").count;
         assert!(!count.is_sure() && count.other_shift.abs() == 1, "{count}");
         assert!((count.probability - count.other_probability).abs() < 0.1, "{count}");
+    }
+
+    #[test]
+    fn crests_beside_a_vertebra_make_it_l4() {
+        // Centres whose votes say nothing.
+        let silent = |k: usize| Peak { levels: [1.0 / LEVELS as f64; LEVELS], ..peak(row(k), k) };
+        let peaks: Vec<Peak> = (0..12).map(silent).collect();
+        let last = 11;
+        for (beside, first_level) in [(last, 15 - last), (last - 1, 16 - last)] {
+            let chain = chain_of(&peaks, Some([100.0, row(beside)])).expect("a chain");
+            assert_eq!((chain.peaks.len(), chain.first_level), (12, first_level), "{beside}");
+        }
+        let sure = |crests| chain_of(&peaks, crests).expect("a chain").count.probability;
+        assert!(sure(Some([100.0, row(last)])) > 2.0 * sure(None));
+    }
+
+    #[test]
+    fn crests_vote_by_the_shares_of_the_adults() {
+        let share = |level: f64| crest_vote(level) / LEVELS as f64;
+        let rest = 41.0 / 14.0;
+        let people = [(14.0, 73.0), (15.0, 645.0), (16.0, 43.0), (14.5, 359.0), (3.0, rest)];
+        for (level, people) in people {
+            assert!((share(level) - people / 802.0).abs() < 1e-12, "{level}");
+        }
+        assert!(((0..LEVELS).map(|level| share(level as f64)).sum::<f64>() - 1.0).abs() < 1e-12);
+        let peaks: Vec<Peak> = (0..5).map(|k| peak(row(k), k)).collect();
+        let [with, without] =
+            [Some([96.0, row(4)]), None].map(|crests| Lattice::of(&peaks, crests).own);
+        let added = |k: usize, level: usize| with[k][level] - without[k][level];
+        let beside_l4 = (645.0 / 802.0 * LEVELS as f64).ln() / 3.0;
+        for (k, level) in [(4, 15), (3, 14), (2, 13)] {
+            assert!((added(k, level) - beside_l4).abs() < 1e-9, "{k}");
+        }
+        assert!(added(1, 12).abs() < 1e-12, "three centres are the nearest");
     }
 }

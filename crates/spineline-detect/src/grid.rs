@@ -1,5 +1,7 @@
 //! Films on smaller grids of square cells.
 
+use spineline::spatial::Pixel;
+
 use crate::picture::Picture;
 
 /// Size of the first network's input: columns, rows.
@@ -20,6 +22,21 @@ pub struct Coarse {
     pub corner: [f64; 2],
     /// Cells per pixel of the film: columns, rows.
     pub scale: [f64; 2],
+}
+
+impl Coarse {
+    /// The cell of a place on the film: column, row.
+    pub fn cell(&self, place: Pixel) -> [f64; 2] {
+        let place = [place.column_px, place.row_px];
+        [0, 1].map(|axis| self.corner[axis] + (place[axis] + 0.5) * self.scale[axis])
+    }
+
+    /// The place on the film of a cell.
+    pub fn place(&self, cell: [f64; 2]) -> Pixel {
+        let [column, row] =
+            [0, 1].map(|axis| (cell[axis] - self.corner[axis]) / self.scale[axis] - 0.5);
+        Pixel::new(column, row)
+    }
 }
 
 impl Grid {

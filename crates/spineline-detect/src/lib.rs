@@ -14,7 +14,7 @@
 //! // An empty picture shows no spine.
 //! let values = vec![0.0; 400 * 800];
 //! let picture = Picture { columns: 400, rows: 800, pixel_aspect: 1.0, patient_left: ImageSide::Right, values: &values };
-//! assert!(matches!(detect(&picture), Err(Refusal::NoSpine { .. })));
+//! assert!(matches!(detect(&picture, None), Err(Refusal::NoSpine { .. })));
 //! ```
 
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
@@ -31,7 +31,7 @@ mod reference;
 mod weights;
 
 use spineline::anatomy::{ImageSide, Level};
-use spineline::measure::Corners;
+use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::Pixel;
 
 use chain::{Chain, chain_of};
@@ -146,11 +146,11 @@ pub enum Refusal {
     },
 }
 
-/// Finds the vertebrae on a film.
+/// Finds the vertebrae on a film. Iliac crests that a person marked help to name the vertebrae: in most people they lie beside L4.
 ///
 /// # Errors
 /// [`Refusal`] if the picture shows no frontal spine, or is not a film.
-pub fn detect(picture: &Picture<'_>) -> Result<Detection, Refusal> {
+pub fn detect(picture: &Picture<'_>, crests: Option<IliacCrests>) -> Result<Detection, Refusal> {
     if !cfg!(feature = "weights") {
         return Err(Refusal::NoNetworks);
     }
@@ -162,7 +162,13 @@ pub fn detect(picture: &Picture<'_>) -> Result<Detection, Refusal> {
     }
     let coarse = coarse_input(picture);
     let peaks = peaks_of(&weights::film(coarse.grid.clone()));
-    let chain = chain_of(&peaks).ok_or(Refusal::NoSpine { vertebrae: 0 })?;
+    // A crest beyond the picture is a mistake.
+    let crests = crests.filter(|both| picture.holds(both.left) && picture.holds(both.right));
+    let crests = crests.map(|both| {
+        let [left, right] = [both.left, both.right].map(|crest| coarse.cell(crest));
+        [0, 1].map(|axis| f64::midpoint(left[axis], right[axis]))
+    });
+    let chain = chain_of(&peaks, crests).ok_or(Refusal::NoSpine { vertebrae: 0 })?;
     let seen = chain.peaks.iter().filter(|peak| peak.is_seen).map(|peak| peak.probability);
     let count = seen.clone().count();
     let is_weak = seen.sum::<f64>() < MIN_MEAN_PROBABILITY * count as f64;
@@ -180,12 +186,7 @@ pub fn detect(picture: &Picture<'_>) -> Result<Detection, Refusal> {
 
 /// The vertebrae of a chain with the corners that the second network places.
 fn placed(picture: &Picture<'_>, coarse: &grid::Coarse, chain: &Chain) -> Vec<DetectedVertebra> {
-    let centre = |peak: &peaks::Peak| {
-        let [column, row] =
-            [0, 1].map(|axis| (peak.centre[axis] - coarse.corner[axis]) / coarse.scale[axis]);
-        Pixel::new(column - 0.5, row - 0.5)
-    };
-    let centres: Vec<Pixel> = chain.peaks.iter().map(centre).collect();
+    let centres: Vec<Pixel> = chain.peaks.iter().map(|peak| coarse.place(peak.centre)).collect();
     let bodies = chain.peaks.iter().zip(bodies_at(picture, &centres)).zip(chain.first_level..);
     bodies
         .map(|((peak, SeenBody { corners, sd_share }), level)| {

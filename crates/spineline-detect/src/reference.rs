@@ -112,7 +112,7 @@ fn grids_maps_peaks_and_chain_are_those_of_the_reference() {
 
 /// Compares the chain of some centres with the reference's.
 fn assert_chain(peaks: &[Peak], expected: &Value) {
-    let chain = chain_of(peaks).expect("a chain");
+    let chain = chain_of(peaks, None).expect("a chain");
     assert_eq!(chain.peaks.len(), list(&expected["chain"]).len());
     assert_eq!(Some(chain.first_level as u64), expected["first_level"].as_u64());
     let [probability, other] = [0, 2].map(|i| number(&expected["count"][i]));

@@ -8,7 +8,9 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::{Level, Side};
-use spineline::measure::{CornerFault, Corners, ImageGeometry, LevelStep, Origin, Placement};
+use spineline::measure::{
+    CornerFault, Corners, IliacCrests, ImageGeometry, LevelStep, Origin, Placement,
+};
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use super::body_neighbours::{Unlike, far_from_bodies, unlike_neighbours};
@@ -116,6 +118,13 @@ pub fn turn_axis_towards(image: &ImageGeometry, midpoint: Pixel, place: Pixel) -
 }
 
 impl PartialReading {
+    /// Both crests, once both are marked.
+    #[must_use]
+    pub fn iliac_crests(&self) -> Option<IliacCrests> {
+        let [left, right] = self.crests;
+        Some(IliacCrests { left: left?, right: right? })
+    }
+
     /// All faults of the landmarks so far: vertebrae caudal first, then the crests.
     ///
     /// Three corners already show whether sides or endplates are exchanged. The steps between the bodies give the

@@ -24,7 +24,7 @@ const MOST_SDS: f64 = 3.0;
 const MOST_STEP_SDS: f64 = 5.0;
 /// Cost of a vertebra without a body, and of a body beside the series, in squared standard deviations.
 const SKIP_COST: f64 = 9.0;
-/// Neighbouring bodies vote alike: the votes of a quarter of them count, as in the detector.
+/// Weight of the logarithm of a vote. Neighbouring bodies vote alike, so that it is below one (assumption; the detector has 0.07).
 const VOTE_WEIGHT: f64 = 0.25;
 /// Smallest share of a vote, so that a single body cannot decide.
 const VOTE_FLOOR: f64 = 0.01;
@@ -156,7 +156,7 @@ impl ErectFilm {
         &self,
         image: &ImageGeometry,
         bodies: &[NamelessBody],
-        crests: [Option<Pixel>; 2],
+        crests: Option<IliacCrests>,
     ) -> Option<LevelMatch> {
         let erect = complete(&self.image, Some(Posture::Erect), &self.reading.clicks(&self.image));
         let erect = erect.ok().filter(|_| bodies.len() >= NEAR_CRESTS)?;
@@ -164,11 +164,10 @@ impl ErectFilm {
             |body: &NamelessBody| Size::of(&body.corners.map(|corner| image.frontal(corner)));
         let own: Vec<Size> = bodies.iter().map(frontal).collect();
         let known = Level::ALL.map(|level| Size::of(&erect.corners(level)));
-        let middle = |image: &ImageGeometry, [left, right]: [Option<Pixel>; 2]| {
-            Some(IliacCrests { left: left?, right: right? }.middle(image))
-        };
-        let crests = middle(image, crests).zip(middle(&self.image, self.reading.crests));
-        let crests = crests.map(|(here, there)| Crests::new(&own, here, &known, there));
+        let crests = crests.zip(self.reading.iliac_crests());
+        let crests = crests.map(|(here, there)| {
+            Crests::new(&own, here.middle(image), &known, there.middle(&self.image))
+        });
         let in_mm = image.scale().is_some() && self.image.scale().is_some();
         let about = if in_mm { 0.0 } else { median_step(&own) - median_step(&known) };
         let mut costs = vec![[f64::INFINITY; LEVELS]; bodies.len()];

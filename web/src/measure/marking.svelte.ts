@@ -245,7 +245,9 @@ export class Marking {
   /** Draws the proposals of all vertebrae, detected if too little is marked; or discards what was detected. */
   async togglePropose(): Promise<void> {
     // The program takes the crests that it has recorded.
-    if (!this.mayPropose || this.detects || this.#pending.length > 0) return;
+    const waits = !this.proposes && this.#pending.length > 0;
+    if (waits) this.said = "clicks are being recorded: press P again";
+    if (waits || !this.mayPropose || this.detects) return;
     [this.proposes, this.detection] = [!this.proposes, proposing.UNSEEN];
     this.said = this.proposes ? "vertebrae proposed" : "no vertebra proposed";
     if (!this.proposes || this.#open.length > 0) return;

@@ -6,7 +6,8 @@ use clap::Args;
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, ImageGeometry, Origin, Reading, ReadingId, VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Origin, Reading, ReadingId,
+    VertebraLandmarks,
 };
 use spineline::number::fixed;
 use spineline::warning::counted;
@@ -36,7 +37,7 @@ Examples:
 
 The networks were trained on films of erect adolescents with scoliosis from one hospital, and not on bending, lateral or traction films, \
 adults or implants: check films of other postures most carefully. Every corner states its confidence and its deviation, and counts as not reviewed until a person has accepted or \
-moved it. Levels that may be shifted by one are reported. validation/proposals.md has its errors on films that it has not seen.";
+moved it. Levels that may be shifted by one are reported. Iliac crests in a case help to name the vertebrae. validation/proposals.md has its errors on films that it has not seen.";
 
 #[derive(Args)]
 pub struct DetectArgs {
@@ -117,7 +118,7 @@ fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Resul
     };
     let spacing = judge_spacing(&film.tags.spacing).spacing;
     let image = ImageGeometry { columns: film.columns, rows: film.rows, spacing, patient_left };
-    let (reading, detection) = read_film(&film, &image, &place)?;
+    let (reading, detection) = read_film(&film, &image, None, &place)?;
     let landmarks = FilmLandmarks::Corners { image, iliac_crests: None, readings: vec![reading] };
     let film = Film::new(posture, landmarks);
     let subject = Subject::default();
@@ -134,12 +135,15 @@ fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
     let mut found = Vec::new();
     for film in &mut case.films {
         let posture = film.posture;
-        let FilmLandmarks::Corners { image, readings, .. } = &mut film.landmarks else { continue };
+        let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
+            continue;
+        };
         let picture = file.source(posture).and_then(|source| source.file);
         let Some(picture) = picture.filter(|_| readings.is_empty()) else { continue };
         let picture = path.with_file_name(picture);
         let (decoded, _) = decoded(decoder, &picture)?;
-        let (reading, detection) = read_film(&decoded, image, &picture.display().to_string())?;
+        let place = picture.display().to_string();
+        let (reading, detection) = read_film(&decoded, image, *iliac_crests, &place)?;
         readings.push(reading);
         found.push((posture, detection));
     }
@@ -175,6 +179,7 @@ fn decoded(decoder: &Decoder, path: &Path) -> Result<(FilmFile, String), Failure
 fn read_film(
     film: &FilmFile,
     image: &ImageGeometry,
+    crests: Option<IliacCrests>,
     place: &str,
 ) -> Result<(Reading<VertebraLandmarks>, Detection), Failure> {
     let refused = |refusal| match refusal {
@@ -183,7 +188,7 @@ fn read_film(
         }
         _ => Failure::input(place, &refusal, FRONTAL),
     };
-    let detection = in_picture(film, image).map_err(refused)?;
+    let detection = in_picture(film, image, crests).map_err(refused)?;
     let landmarks = |found: &DetectedVertebra| {
         let landmarks = VertebraLandmarks {
             origins: Corners::all(Origin::Detected),
@@ -197,17 +202,22 @@ fn read_film(
     Ok((Reading { id: ReadingId::new("spineline-detect", 1), vertebrae }, detection))
 }
 
-fn in_picture(film: &FilmFile, image: &ImageGeometry) -> Result<Detection, Refusal> {
+fn in_picture(
+    film: &FilmFile,
+    image: &ImageGeometry,
+    crests: Option<IliacCrests>,
+) -> Result<Detection, Refusal> {
     // Displayed as for a reader: the networks were trained on such pictures.
     let shown = film.display(None, false);
     let values: Vec<f32> = shown.grey.iter().map(|&grey| f32::from(grey)).collect();
-    detect(&Picture {
+    let picture = Picture {
         columns: shown.columns as usize,
         rows: shown.rows as usize,
         pixel_aspect: image.spacing.map_or(1.0, |spacing| spacing.aspect()),
         patient_left: image.patient_left,
         values: &values,
-    })
+    };
+    detect(&picture, crests)
 }
 
 fn add_summary(text: &mut Lines, film: &str, detection: &Detection) {

@@ -1,6 +1,8 @@
 //! Refusals and their errors.
 
 use spineline::anatomy::ImageSide;
+use spineline::measure::IliacCrests;
+use spineline::spatial::Pixel;
 use spineline_detect::{Picture, Refusal, detect};
 
 fn refused(columns: usize, rows: usize, value: impl Fn(usize, usize) -> f32) -> Refusal {
@@ -8,7 +10,13 @@ fn refused(columns: usize, rows: usize, value: impl Fn(usize, usize) -> f32) -> 
         (0..columns * rows).map(|index| value(index % columns, index / columns)).collect();
     let patient_left = ImageSide::Right;
     let picture = Picture { columns, rows, pixel_aspect: 1.0, patient_left, values: &values };
-    detect(&picture).expect_err("no spine")
+    // Crests far beyond the picture are passed over.
+    for column_px in [1e300, f64::NAN] {
+        let crest = Pixel::new(column_px, 10.0);
+        let crests = IliacCrests { left: crest, right: crest };
+        assert_eq!(detect(&picture, Some(crests)), detect(&picture, None));
+    }
+    detect(&picture, None).expect_err("no spine")
 }
 
 #[test]
@@ -32,7 +40,7 @@ fn blank_films_ramps_noise_and_stripes_are_refused() {
 fn pictures_that_are_not_films_are_refused_at_once() {
     let picture = |columns: usize, rows: usize, pixel_aspect: f64, values: &[f32]| {
         let patient_left = ImageSide::Left;
-        detect(&Picture { columns, rows, pixel_aspect, patient_left, values })
+        detect(&Picture { columns, rows, pixel_aspect, patient_left, values }, None)
     };
     let values = vec![1.0; 100 * 200];
     let no_film = |found| matches!(found, Err(Refusal::NoFilm { .. }));

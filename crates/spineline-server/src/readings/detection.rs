@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::{FilmView, Level, Posture};
-use spineline::measure::{CornerName, ImageGeometry, Origin};
+use spineline::measure::{CornerName, IliacCrests, ImageGeometry, Origin};
 use spineline::spatial::Pixel;
 use spineline_detect::{DetectedVertebra, Detection, Picture, SeenBody, bodies_at, detect};
 use spineline_marking::{
@@ -46,10 +46,11 @@ pub(super) async fn detection(
     let _permit = state.films().decoding().await?;
     // The posture is hidden from a blinded reader.
     let is_other = seen.code.is_none() && film.view != FilmView::Frontal(Posture::Erect);
+    let crests = marked.iliac_crests();
     let found = computed(move || {
         let values = values(&shown);
-        match detect(&picture(&shown, &image, &values)) {
-            Ok(found) => view(found, &image, erect.as_ref(), marked.crests, is_other),
+        match detect(&picture(&shown, &image, &values), crests) {
+            Ok(found) => view(found, &image, erect.as_ref(), crests, is_other),
             Err(refusal) => refused(refusal.to_string()),
         }
     });
@@ -138,7 +139,7 @@ fn view(
     found: Detection,
     image: &ImageGeometry,
     erect: Option<&ErectFilm>,
-    crests: [Option<Pixel>; 2],
+    crests: Option<IliacCrests>,
     is_other_posture: bool,
 ) -> DetectionView {
     let mut doubts = found.doubts();

@@ -63,6 +63,14 @@ fn accepted_vertebra(proposal: &Value) -> Value {
     json!({ "level": proposal["level"], "corners": named.collect::<serde_json::Map<_, _>>() })
 }
 
+/// The events that mark the crests as another reading has them.
+fn crests_of(reading: &Value) -> Value {
+    json!(["left", "right"].map(|side| {
+        let place = &reading["crests"][format!("{side}_px")];
+        json!({ "kind": "place_iliac_crest", "side": side, "column_px": place[0], "row_px": place[1] })
+    }))
+}
+
 #[test]
 fn vertebrae_are_found_in_the_picture_and_accepted_with_their_deviation() {
     let app = app_with_demo();
@@ -80,11 +88,20 @@ fn vertebrae_are_found_in_the_picture_and_accepted_with_their_deviation() {
     let proposals = found["proposals"].as_array().expect("proposals");
     assert!(proposals.len() >= 12);
     assert_eq!(browser.get(&format!("/api/readings/{reading}")).json()["revision"], 0);
+    let read = study["summary"]["films"][0]["readings"][0]["reading"].as_i64().expect("a number");
+    let events = crests_of(&browser.get(&format!("/api/readings/{read}")).json());
+    assert_eq!(record(&browser, reading, 0, events).status, StatusCode::OK);
+    let with = browser.post(&format!("/api/readings/{reading}/detection"), &json!(null)).json();
+    let percent = |found: &Value| -> u32 {
+        let levels = found["levels"].as_str().expect("a text");
+        levels.split(' ').next().and_then(|text| text.parse().ok()).expect("percent")
+    };
+    assert!(percent(&with) > percent(&found), "crests name the vertebrae: {with}");
     let sd = proposals[0]["sd_share"].as_f64().expect("a deviation");
     let mut accepted = accepted_vertebra(&proposals[0]);
     accepted["sd_share"] = sd.into();
     let event = json!([{ "kind": "accept_corners", "vertebrae": [accepted] }]);
-    let whole = record(&browser, reading, 0, event).json()["reading"].clone();
+    let whole = record(&browser, reading, 2, event).json()["reading"].clone();
     assert_eq!(whole["vertebrae"][0]["corners"][0]["origin"], "accepted");
 }
 
@@ -181,11 +198,7 @@ fn a_bend_is_completed_from_ten_clicks_and_the_erect_film() {
     let found = browser.post(&format!("/api/readings/{reading}/detection"), &json!(null)).json();
     let matched = found["levels"].as_str().expect("a match");
     assert!(matched.starts_with("matched to the erect film; second best puts"), "{matched}");
-    let crests = ["left", "right"].map(|side| {
-        let place = &truth["crests"][format!("{side}_px")];
-        json!({ "kind": "place_iliac_crest", "side": side, "column_px": place[0], "row_px": place[1] })
-    });
-    assert_eq!(record(&browser, reading, 11, json!(crests)).status, StatusCode::OK);
+    assert_eq!(record(&browser, reading, 11, crests_of(&truth)).status, StatusCode::OK);
     let found = browser.post(&format!("/api/readings/{reading}/detection"), &json!(null)).json();
     let matched = found["levels"].as_str().expect("a match");
     assert!(matched.starts_with("matched to the erect film and the crests; second"), "{matched}");
