@@ -244,14 +244,14 @@ export class Marking {
 
   /** Draws the proposals of all vertebrae, detected if too little is marked; or discards what was detected. */
   async togglePropose(): Promise<void> {
-    // The program takes the crests that it has recorded.
-    const waits = !this.proposes && this.#pending.length > 0;
-    if (waits) this.said = "clicks are being recorded: press P again";
-    if (waits || !this.mayPropose || this.detects) return;
+    if (!this.mayPropose || this.detects) return;
     [this.proposes, this.detection] = [!this.proposes, proposing.UNSEEN];
     this.said = this.proposes ? "vertebrae proposed" : "no vertebra proposed";
     if (!this.proposes || this.#open.length > 0) return;
-    this.detects = true;
+    // Detection takes the crests that are saved.
+    this.detects = this.#pending.length === 0;
+    if (!this.detects) [this.proposes, this.said] = [false, "saving clicks: press P again"];
+    if (!this.detects) return;
     this.detection = await proposing.detected(this.#recorded.reading);
     this.detects = false;
     this.trouble = this.detection.trouble ?? this.trouble;
