@@ -1,5 +1,7 @@
-"""From the networks' maps to named vertebrae with corners, confidences and warnings. Plain loops: this file is ported line by line. The program adds the votes of
-marked iliac crests, which the films here do not have."""
+"""From the networks' maps to named vertebrae with corners, confidences and warnings. Plain loops: this file is ported line by line.
+
+The program adds the votes of marked iliac crests, which the films here do not have.
+"""
 
 from dataclasses import dataclass, field
 

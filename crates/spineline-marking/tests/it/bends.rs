@@ -19,6 +19,8 @@ const CONSTRUCTIONS: [Construction; 3] =
 const READ: [usize; 3] = [0, 2, 5];
 /// Standard deviation of a coordinate of a click.
 const CLICK_MM: f64 = 0.7;
+/// Standard deviation of crests that lie elsewhere along the spine: 0.3 of a step between centres, as the program assumes.
+const MOVED_CRESTS_SD_MM: f64 = 9.0;
 /// Corners within this part of a height are as good as clicked ones.
 const TENTH: f64 = 0.1;
 
@@ -198,6 +200,16 @@ struct Right {
     unnamed: usize,
 }
 
+impl Right {
+    /// Counts a film with a spine.
+    fn count(&mut self, is_right: bool, is_clear: bool) {
+        self.films += 1;
+        self.all += usize::from(is_right);
+        self.clear += usize::from(is_clear);
+        self.clear_right += usize::from(is_clear && is_right);
+    }
+}
+
 /// Whether a body has the level of the nearest vertebra, or none. L5 and T1 do not count.
 fn is_right(film: &TrueFilm, body: &Corners<Pixel>, level: Option<Level>) -> bool {
     let own = centre(&film.image, body);
@@ -218,7 +230,7 @@ fn name_bends(
     for film in bends(&phantom) {
         let values = drawn(film);
         let marked = crests(film, deviate);
-        let moved_mm = 0.3 * 30.0 * deviate();
+        let moved_mm = MOVED_CRESTS_SD_MM * deviate();
         let moved =
             |crest| film.image.pixel(film.image.frontal(crest) + Frontal::new(0.0, moved_mm));
         let moved = IliacCrests { left: moved(marked.left), right: moved(marked.right) };
@@ -241,11 +253,7 @@ fn name_bends(
             }
             let matched = erect.match_levels(&film.image, &bodies, crests).expect("a match");
             assert_eq!(matched.by_crests, crests.is_some());
-            let is_right = all_right(&matched.levels);
-            right.films += 1;
-            right.all += usize::from(is_right);
-            right.clear += usize::from(matched.is_clear());
-            right.clear_right += usize::from(matched.is_clear() && is_right);
+            right.count(all_right(&matched.levels), matched.is_clear());
             right.unnamed += matched.levels.iter().filter(|level| level.is_none()).count();
         }
     }
@@ -292,10 +300,7 @@ fn levels_of_the_drawn_erect_films_of_all_subjects() {
             let Ok(found) = detect(&picture(film, &values), crests) else { continue };
             let mut seen = found.vertebrae.iter().filter(|one| one.is_seen);
             let is_right = seen.all(|one| is_right(film, &one.corners, Some(one.level)));
-            right.films += 1;
-            right.all += usize::from(is_right);
-            right.clear += usize::from(found.count.is_sure());
-            right.clear_right += usize::from(found.count.is_sure() && is_right);
+            right.count(is_right, found.count.is_sure());
         }
     }
     println!("synthetic erect films: {without:?}; with crests: {with:?}");
