@@ -28,6 +28,17 @@ pub fn run(
     arguments: &[&str],
     variables: &[(&str, &str)],
 ) -> Result<(), String> {
+    run_until(root, program, arguments, variables, &[0])
+}
+
+/// Runs a program that may end with any of these exit codes.
+pub fn run_until(
+    root: &Path,
+    program: &str,
+    arguments: &[&str],
+    variables: &[(&str, &str)],
+    codes: &[i32],
+) -> Result<(), String> {
     println!("» {program} {}", arguments.join(" "));
     let mut command = Command::new(program);
     command.args(arguments).envs(variables.iter().copied()).current_dir(root);
@@ -40,7 +51,7 @@ pub fn run(
     });
     let status =
         command.status().map_err(|error| format!("`{program}` could not be started: {error}"))?;
-    if status.success() {
+    if status.code().is_some_and(|code| codes.contains(&code)) {
         Ok(())
     } else {
         Err(format!("`{program} {}` failed", arguments.join(" ")))
