@@ -3,6 +3,7 @@
 use std::fmt;
 
 use spineline::number::fixed;
+use spineline::warning::levels_apart;
 
 /// Below this probability a person is asked to check the levels.
 const MIN_PROBABILITY: f64 = 0.90;
@@ -29,15 +30,11 @@ impl LevelCount {
 impl fmt::Display for LevelCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |share: f64| fixed(100.0 * share, 0);
-        let count = match self.other_shift.unsigned_abs() {
-            1 => "one level".to_owned(),
-            more => format!("{more} levels"),
-        };
-        let way = if self.other_shift > 0 { "down" } else { "up" };
         write!(
             f,
-            "{} % probable, {count} {way} {} %",
+            "{} % probable, {} {} %",
             percent(self.probability),
+            levels_apart(-self.other_shift),
             percent(self.other_probability)
         )
     }

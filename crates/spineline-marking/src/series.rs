@@ -6,7 +6,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::completion::complete;
 use spineline::measure::{Corners, IliacCrests, ImageGeometry, median};
 use spineline::spatial::{Frontal, Pixel};
-use spineline::warning::counted;
+use spineline::warning::levels_apart;
 
 use super::ErectFilm;
 
@@ -71,7 +71,7 @@ pub struct SecondMatch {
     /// The most caudal and the most cranial level that differ; `None` where all do.
     pub range: Option<[Level; 2]>,
     /// By how many levels the most caudal one is shifted; positive where it is more cranial.
-    pub shift: i32,
+    pub shift: isize,
     /// By how many squared standard deviations it is worse.
     pub lead: f64,
 }
@@ -99,15 +99,14 @@ impl LevelMatch {
 impl fmt::Display for LevelMatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let SecondMatch { range, shift, .. } = self.second;
-        let way = if shift > 0 { "higher" } else { "lower" };
         let crests = if self.by_crests { " and the crests" } else { "" };
         let range = match range {
             None => "all vertebrae".to_owned(),
             Some([lowest, highest]) if lowest == highest => lowest.to_string(),
             Some([lowest, highest]) => format!("{lowest} to {highest}"),
         };
-        let levels = counted(shift.unsigned_abs() as usize, "level");
-        write!(f, "matched to the erect film{crests}; second best puts {range} {levels} {way}")?;
+        let shifted = levels_apart(shift);
+        write!(f, "matched to the erect film{crests}; second best puts {range} {shifted}")?;
         if !self.is_best() {
             f.write_str(", and fits nearly as well")?;
         }
@@ -203,7 +202,7 @@ fn second(costs: &[[f64; LEVELS]], places: &[Option<usize>], least: f64) -> Opti
     let (lowest, highest) = (differing.first()?, differing.last()?);
     let range = [Level::ALL[lowest.0], Level::ALL[highest.0]];
     let range = (differing.len() < others.len()).then_some(range);
-    Some(SecondMatch { range, shift: lowest.1 as i32 - lowest.0 as i32, lead })
+    Some(SecondMatch { range, shift: lowest.1 as isize - lowest.0 as isize, lead })
 }
 
 /// How far the middle of the crests lies above each body of a film, and above the vertebrae of the erect film.
@@ -413,15 +412,15 @@ mod tests {
         let second = "matched to the erect film; second best puts";
         let mark = "; mark the crests on both films, and try again";
         for (one, text) in [
-            (matched(all, None, 9.0), format!("{second} all vertebrae 1 level lower")),
+            (matched(all, None, 9.0), format!("{second} all vertebrae one level lower")),
             (
                 matched(all, Some([Level::L3, Level::L2]), 1.0),
-                format!("{second} L3 to L2 1 level lower, and fits nearly as well{mark}"),
+                format!("{second} L3 to L2 one level lower, and fits nearly as well{mark}"),
             ),
             (
                 matched(gap, Some([Level::L2, Level::L2]), 9.0),
                 format!(
-                    "{second} L2 1 level lower; a body between the others has no level: check the levels beside it{mark}"
+                    "{second} L2 one level lower; a body between the others has no level: check the levels beside it{mark}"
                 ),
             ),
         ] {

@@ -14,6 +14,17 @@ pub fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, noun: &str
     format!("{count} {noun}{ending}")
 }
 
+/// A shift of levels in words: `one level higher` (1), `two levels lower` (−2).
+#[must_use]
+pub fn levels_apart(shift: isize) -> String {
+    let way = if shift > 0 { "higher" } else { "lower" };
+    match shift.unsigned_abs() {
+        1 => format!("one level {way}"),
+        2 => format!("two levels {way}"),
+        more => format!("{more} levels {way}"),
+    }
+}
+
 named! {
     /// A step of the pipeline, in its order.
     pub enum Step {

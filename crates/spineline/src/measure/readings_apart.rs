@@ -5,7 +5,7 @@ use super::{Corners, ReadingId};
 use crate::anatomy::Level;
 use crate::number::{fixed, mean};
 use crate::spatial::Frontal;
-use crate::warning::{WarningCode, Warnings};
+use crate::warning::{WarningCode, Warnings, levels_apart};
 
 /// Fewer common vertebrae than this would be close to each other by chance.
 const MIN_COMMON: usize = 4;
@@ -72,10 +72,9 @@ pub(super) fn warn_of_readings_apart(
         let (other, first) = (other.id, first.id);
         let (code, text) = match pair.shifted {
             Some((shift, by_shift)) => {
-                let way = if shift > 0 { "higher" } else { "lower" };
-                let levels = if shift.abs() == 1 { "one level" } else { "two levels" };
                 let text = format!(
-                    "observer {other} names the vertebrae {levels} {way} than observer {first}: their midpoints are {apart} % of the distance between neighbouring vertebrae apart (limit {limit} %), by such names {} %: correct the wrong reading",
+                    "observer {other} names the vertebrae {} than observer {first}: their midpoints are {apart} % of the distance between neighbouring vertebrae apart (limit {limit} %), by such names {} %: correct the wrong reading",
+                    levels_apart(shift),
                     percent(by_shift)
                 );
                 (WarningCode::LevelsMayBeShifted, text)
