@@ -104,13 +104,11 @@ pub struct Detection {
 }
 
 impl Detection {
-    /// Why a person has to check the levels, in words.
+    /// Which vertebrae are left out, in words.
     #[must_use]
-    pub fn doubts(&self) -> Vec<String> {
-        let levels = (!self.count.is_sure()).then(|| self.count.to_string());
-        let edge = (self.beyond_edge > 0)
-            .then(|| format!("{} left out beyond the edge of the film", self.beyond_edge));
-        levels.into_iter().chain(edge).collect()
+    pub fn left_out(&self) -> Option<String> {
+        let count = self.beyond_edge;
+        (count > 0).then(|| format!("vertebrae left out beyond the edge of the film: {count}"))
     }
 }
 

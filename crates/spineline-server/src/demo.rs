@@ -87,5 +87,5 @@ fn draw() -> Answer<Drawn> {
         film.map(|film| film.bytes.clone()).ok_or("a film that was not drawn")
     };
     let case = NewCase::read(&text, bytes_of).map_err(|error| internal(error.to_string()))?;
-    Ok((case.label("Demonstration: synthetic patient"), thumbnails))
+    Ok((case.label("Synthetic demo patient"), thumbnails))
 }

@@ -72,15 +72,23 @@ it("offers proposals only where they save time against two clicks", () => {
 
 it("asks to check doubtful levels first", () => {
   const all = spine(14);
-  const told = (doubt: string | null): string[] =>
+  const told = (areLevelsDoubtful: boolean): string[] =>
     aboutProposals({
-      detection: { ...UNSEEN, found: all, doubt },
+      detection: {
+        ...UNSEEN,
+        found: all,
+        levels: "51 % probable",
+        areLevelsDoubtful,
+        remarks: ["T1 left out"],
+      },
       offer: null,
       proposals: all,
       misfits: [],
     }).map(({ text }) => text);
-  expect(told("the count differs")).toEqual(["Check the levels first (U, J): the count differs"]);
-  expect(told(null)).toEqual([
+  expect(told(true)).toEqual(["Check the levels first (U, J): 51 % probable", "T1 left out"]);
+  expect(told(false)).toEqual([
+    "Levels: 51 % probable",
     expect.stringMatching(/^To check: V14, V15, V16\. Two clicks replace a proposal/),
+    "T1 left out",
   ]);
 });

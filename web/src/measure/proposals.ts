@@ -120,22 +120,35 @@ export function dragged(
   return [accepted, placing(withEvents(recorded, [accepted]), landmark, at)];
 }
 
-/** Vertebrae in the picture, with the program's doubts about their levels, or how they were matched to the erect film. */
+/** Vertebrae in the picture, and how sure their levels are. */
 export interface Detected {
   readonly found: readonly Proposal[];
-  readonly doubt: string | null;
   readonly levels: string;
+  readonly areLevelsDoubtful: boolean;
+  readonly remarks: readonly string[];
   readonly trouble: Trouble | null;
 }
 
-export const UNSEEN: Detected = { found: [], doubt: null, levels: "", trouble: null };
+export const UNSEEN: Detected = {
+  found: [],
+  levels: "",
+  areLevelsDoubtful: false,
+  remarks: [],
+  trouble: null,
+};
 
 /** The vertebrae that the program finds in the picture. */
 export async function detected(reading: number): Promise<Detected> {
   const what = "No vertebrae found in the picture";
   try {
-    const { proposals, refused, doubt = null, levels } = await detectVertebrae(reading);
-    return { found: proposals, doubt, levels, trouble: refused ? { what, error: refused } : null };
+    const view = await detectVertebrae(reading);
+    return {
+      found: view.proposals,
+      levels: view.levels,
+      areLevelsDoubtful: view.are_levels_doubtful,
+      remarks: view.remarks,
+      trouble: view.refused ? { what, error: view.refused } : null,
+    };
   } catch (error) {
     return { ...UNSEEN, trouble: { what, error } };
   }
@@ -155,23 +168,21 @@ export function aboutProposals(
   marking: Pick<Marking, "detection" | "offer" | "proposals" | "misfits">,
 ): Message[] {
   const { detection, offer, proposals, misfits } = marking;
-  const { doubt, levels } = detection;
-  // The doubt has all the room: outlines and list show what is to check.
-  const left = offer || doubt !== null ? "" : leftWords(proposals);
+  const { levels, areLevelsDoubtful, remarks } = detection;
+  // A doubt of the levels has all the room: outlines and list show what is to check.
+  const left = offer || areLevelsDoubtful ? "" : leftWords(proposals);
   const help = "U names all vertebrae one level up, J one level down.";
   const told: (Message | false)[] = [
     misfits.length > 0 && {
       severity: "warning",
       text: `${misfits.join(", ")}: the picture has other edges; click the walls`,
     },
-    doubt !== null &&
-      !offer?.isSlow && {
-        severity: "warning",
-        text: `Check the levels first (U, J): ${doubt}`,
-        help,
-      },
-    levels !== "" && levels !== doubt && { severity: "note", text: `Levels: ${levels}` },
+    levels !== "" &&
+      (areLevelsDoubtful && !offer?.isSlow
+        ? { severity: "warning", text: `Check the levels first (U, J): ${levels}`, help }
+        : { severity: "note", text: `Levels: ${levels}` }),
     left !== "" && { severity: "note", text: left },
+    ...remarks.map((text): Message => ({ severity: "note", text })),
   ];
   return told.filter((one) => one !== false);
 }

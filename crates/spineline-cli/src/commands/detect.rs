@@ -237,10 +237,9 @@ fn add_summary(text: &mut Lines, film: &str, detection: &Detection) {
         fixed(confidence, 0),
         fixed(sd, 0)
     ));
-    if detection.count.is_sure() {
-        text.line(format!("  levels: {}", detection.count));
-    }
-    for doubt in detection.doubts() {
-        text.line(format!("  check the levels: {doubt}"));
+    let levels = if detection.count.is_sure() { "levels" } else { "check the levels" };
+    text.line(format!("  {levels}: {}", detection.count));
+    if let Some(left_out) = detection.left_out() {
+        text.line(format!("  {left_out}"));
     }
 }

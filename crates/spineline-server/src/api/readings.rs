@@ -211,8 +211,10 @@ pub struct DetectionView {
     pub refused: Option<String>,
     /// How sure the levels are, as text: their probability, or their match to a finished erect film.
     pub levels: String,
-    /// Why a person has to check the levels, as text.
-    pub doubt: Option<String>,
+    /// Whether a person has to check the levels first.
+    pub are_levels_doubtful: bool,
+    /// What else to know of the proposals, as texts.
+    pub remarks: Vec<String>,
     /// The vertebrae, caudal first.
     pub proposals: Vec<Proposal>,
 }

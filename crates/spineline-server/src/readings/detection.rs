@@ -132,7 +132,13 @@ fn picture<'a>(screen: &Screen, image: &ImageGeometry, values: &'a [f32]) -> Pic
 }
 
 fn refused(text: String) -> DetectionView {
-    DetectionView { refused: Some(text), levels: String::new(), doubt: None, proposals: Vec::new() }
+    DetectionView {
+        refused: Some(text),
+        levels: String::new(),
+        are_levels_doubtful: false,
+        remarks: Vec::new(),
+        proposals: Vec::new(),
+    }
 }
 
 fn view(
@@ -142,10 +148,9 @@ fn view(
     crests: Option<IliacCrests>,
     is_other_posture: bool,
 ) -> DetectionView {
-    let mut doubts = found.doubts();
-    if is_other_posture {
-        doubts.push("the program was trained on films of standing patients only".to_owned());
-    }
+    let posture = is_other_posture
+        .then(|| "the program was trained on films of standing patients only".to_owned());
+    let remarks = found.left_out().into_iter().chain(posture).collect();
     let Detection { mut vertebrae, count, .. } = found;
     let matched = erect.and_then(|erect| {
         vertebrae.retain(|found| found.is_seen);
@@ -153,13 +158,11 @@ fn view(
             |found: &DetectedVertebra| NamelessBody { corners: found.corners, votes: found.votes };
         erect.match_levels(image, &vertebrae.iter().map(body).collect::<Vec<_>>(), crests)
     });
-    let mut doubt = (!doubts.is_empty()).then(|| doubts.join("; "));
     if let Some(matched) = &matched {
         let named = vertebrae.into_iter().zip(&matched.levels);
         let named =
             named.filter_map(|(found, &level)| Some(DetectedVertebra { level: level?, ..found }));
         vertebrae = named.collect();
-        doubt = doubt.map(|doubt| format!("without the erect film: {doubt}"));
     }
     let proposal = |found: &DetectedVertebra| Proposal {
         level: found.level.to_string(),
@@ -171,10 +174,15 @@ fn view(
         sd_share: Some(found.sd_share),
         is_sure: found.is_clear(),
     };
+    let (levels, are_levels_doubtful) = match &matched {
+        Some(matched) => (matched.to_string(), !matched.is_clear()),
+        None => (count.to_string(), is_other_posture || !count.is_sure()),
+    };
     DetectionView {
         refused: None,
-        levels: matched.map_or_else(|| count.to_string(), |matched| matched.to_string()),
-        doubt,
+        levels,
+        are_levels_doubtful,
+        remarks,
         proposals: vertebrae.iter().map(proposal).collect(),
     }
 }

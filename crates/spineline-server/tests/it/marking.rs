@@ -84,7 +84,7 @@ fn vertebrae_are_found_in_the_picture_and_accepted_with_their_deviation() {
         assert!(refused.contains("no frontal spine") && found["proposals"] == json!([]), "{found}");
         return;
     }
-    assert!(found["doubt"].is_string(), "{found}");
+    assert_eq!(found["are_levels_doubtful"], true, "{found}");
     let proposals = found["proposals"].as_array().expect("proposals");
     assert!(proposals.len() >= 12);
     assert_eq!(browser.get(&format!("/api/readings/{reading}")).json()["revision"], 0);
