@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::command::{answers, cargo, run};
+use crate::files::entries;
 
 /// Runs every target for this number of seconds; a crash is an error, and its input is kept below
 /// `fuzz/artifacts`.
@@ -47,11 +48,6 @@ pub fn all(root: &Path, seconds: u32) -> Result<(), String> {
 
 /// Names of the targets, from their files.
 fn targets(folder: &Path) -> Result<Vec<String>, String> {
-    let list = folder.join("fuzz_targets");
-    let entries = fs::read_dir(&list).map_err(|error| format!("{}: {error}", list.display()))?;
-    let mut names: Vec<String> = entries
-        .filter_map(|entry| Some(entry.ok()?.path().file_stem()?.to_str()?.to_owned()))
-        .collect();
-    names.sort();
-    Ok(names)
+    let files = entries(&folder.join("fuzz_targets"))?;
+    Ok(files.iter().filter_map(|file| Some(file.file_stem()?.to_str()?.to_owned())).collect())
 }

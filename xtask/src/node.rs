@@ -1,14 +1,15 @@
 //! The version of Node that the packages of the browser app require.
 
-use std::fs;
 use std::path::Path;
 use std::process::Command;
+
+use crate::files::read;
 
 /// Refuses a Node that `engines` in `web/package.json` does not allow, before npm is started.
 pub fn check(root: &Path) -> Result<(), String> {
     let path = root.join("web/package.json");
     let fail = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let text = fs::read_to_string(&path).map_err(|error| fail(&error))?;
+    let text = read(&path)?;
     let package: serde_json::Value = serde_json::from_str(&text).map_err(|error| fail(&error))?;
     let range = package["engines"]["node"].as_str().ok_or_else(|| fail(&"no engines.node"))?;
     let answer = Command::new("node").arg("--version").output();

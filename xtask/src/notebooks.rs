@@ -1,9 +1,9 @@
 //! Notebooks: run from top to bottom, and made into pages with their output and pictures.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::command::run;
+use crate::files::{emptied, entries};
 use crate::package::staged;
 use crate::plan::Plan;
 use crate::python;
@@ -23,12 +23,8 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
 
 /// Runs all notebooks, and writes each as a Markdown page with its pictures beside it.
 pub fn render(plan: &Plan<'_>, to: &Path) -> Result<(), String> {
-    let failed = |error: std::io::Error| format!("{}: {error}", to.display());
-    if to.exists() {
-        // Files of an earlier run must not be found by this one.
-        fs::remove_dir_all(to).map_err(failed)?;
-    }
-    fs::create_dir_all(to).map_err(failed)?;
+    // Files of an earlier run must not be found by this one.
+    emptied(to)?;
     let interpreter = python::text(&environment(plan.root)?)?;
     let package = python::text(&staged(plan)?)?;
     let variables = [("PYTHONPATH", package.as_str()), ("PYTHONDONTWRITEBYTECODE", "1")];
@@ -47,13 +43,7 @@ pub fn render(plan: &Plan<'_>, to: &Path) -> Result<(), String> {
 
 /// The notebooks in the repository: Python files with marked cells.
 fn sources(root: &Path) -> Result<Vec<PathBuf>, String> {
-    let folder = root.join("python/notebooks");
-    let entries =
-        fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut found: Vec<PathBuf> = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|end| end == "py"))
-        .collect();
-    found.sort();
+    let mut found = entries(&root.join("python/notebooks"))?;
+    found.retain(|path| path.extension().is_some_and(|end| end == "py"));
     Ok(found)
 }

@@ -2,12 +2,12 @@
 
 use std::env::consts::EXE_EXTENSION;
 use std::fs::{self, File};
-use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::checks::native_module;
 use crate::command::{run, with_output};
+use crate::files::{emptied, entries};
 use crate::plan::Plan;
 use crate::tools::Tool;
 use crate::{python, web};
@@ -113,9 +113,7 @@ fn wheels_with(
     let built = zig.map_or_else(|| target.clone(), |zig| target.join(&zig.host)).join(PROFILE);
     copy(&built.join(&program), &scripts.join(&program))?;
     let wheels = target.join("wheels");
-    if wheels.exists() {
-        fs::remove_dir_all(&wheels).map_err(|error| format!("{}: {error}", wheels.display()))?;
-    }
+    emptied(&wheels)?;
     let interpreter = match zig {
         Some(zig) => python::text(&zig.interpreter)?,
         None => python::text(&environment(root)?)?,
@@ -138,7 +136,7 @@ fn wheels_with(
         check_given(&bytes, &builder(root, &target)?)
             .map_err(|fault| format!("{}: {fault}", file.display()))?;
     }
-    let wheels = files(&wheels)?;
+    let wheels = entries(&wheels)?;
     for wheel in &wheels {
         let bytes =
             fs::metadata(wheel).map_err(|error| format!("{}: {error}", wheel.display()))?.len();
@@ -253,13 +251,8 @@ pub fn staged(plan: &Plan<'_>) -> Result<PathBuf, String> {
     let module = native_module(plan)?;
     let staged = python::target()?.join("python/staged");
     let (from, to) = (plan.root.join("python/spineline"), staged.join("spineline"));
-    if staged.exists() {
-        fs::remove_dir_all(&staged).map_err(|error| format!("{}: {error}", staged.display()))?;
-    }
-    fs::create_dir_all(&to).map_err(|error| format!("{}: {error}", to.display()))?;
-    let entries = fs::read_dir(&from).map_err(|error| format!("{}: {error}", from.display()))?;
-    for entry in entries {
-        let path = entry.map_err(|error| error.to_string())?.path();
+    emptied(&to)?;
+    for path in entries(&from)? {
         if let Some(name) = path.file_name().filter(|_| path.is_file()) {
             copy(&path, &to.join(name))?;
         }
@@ -273,15 +266,6 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
     fs::copy(from, to).map(|_| ()).map_err(|error| {
         format!("{} could not be copied to {}: {error}", from.display(), to.display())
     })
-}
-
-fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let failed = |error: io::Error| format!("{}: {error}", folder.display());
-    let entries = fs::read_dir(folder).map_err(failed)?;
-    let mut files: Vec<PathBuf> =
-        entries.map(|entry| Ok(entry.map_err(failed)?.path())).collect::<Result<_, String>>()?;
-    files.sort();
-    Ok(files)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::command::run;
+use crate::files::{read, write};
 
 /// Runs a script of a Python project with this program; results go to a folder of that name below the target.
 pub fn project(
@@ -69,13 +70,12 @@ pub fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathB
         .or_default()
         .clone();
     let _own = own.lock().unwrap_or_else(PoisonError::into_inner);
-    let wanted = fs::read_to_string(requirements)
-        .map_err(|error| format!("{}: {error}", requirements.display()))?;
+    let wanted = read(requirements)?;
     let folder = target()?.join("python").join(name);
     let bin = if cfg!(windows) { "Scripts" } else { "bin" };
     let python = folder.join(bin).join(if cfg!(windows) { "python.exe" } else { "python" });
     let stamp = folder.join("requirements.stamp");
-    if python.exists() && fs::read_to_string(&stamp).is_ok_and(|had| had == wanted) {
+    if python.exists() && read(&stamp).is_ok_and(|had| had == wanted) {
         return Ok(python);
     }
     let failed = |reason: String| {
@@ -92,7 +92,7 @@ pub fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathB
     let quiet = ["--quiet", "--disable-pip-version-check", "--no-compile"];
     let install = [&["-m", "pip", "install"][..], &quiet, &["--requirement", &file]].concat();
     run(root, &text(&python)?, &install, &[]).map_err(failed)?;
-    fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))?;
+    write(&stamp, &wanted)?;
     Ok(python)
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::checks::{self, QuickTests};
+use crate::files::read;
 use crate::plan::{Extent, Plan, Step};
 use crate::tidy;
 
@@ -55,8 +56,7 @@ fn crates_of(root: &Path, files: &BTreeSet<String>) -> Result<BTreeSet<String>, 
         else {
             continue;
         };
-        let manifest = std::fs::read_to_string(own.join("Cargo.toml"))
-            .map_err(|error| format!("{}: {error}", own.display()))?;
+        let manifest = read(&own.join("Cargo.toml"))?;
         let name = manifest.lines().find_map(|line| line.strip_prefix("name = "));
         let is_outside = manifest.contains("[workspace]");
         names.extend(name.filter(|_| !is_outside).map(|name| name.trim_matches('"').to_owned()));

@@ -1,11 +1,11 @@
 //! The browser app: built into `web/dist`, which the program embeds, and driven in a real browser.
 
-use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use crate::checks::built;
 use crate::command::run;
+use crate::files::{read, write};
 use crate::plan::Plan;
 use crate::{node, tools};
 
@@ -73,9 +73,7 @@ pub fn provide_packages(root: &Path) -> Result<(), String> {
 
 /// Installs the packages of a folder, once for each version of its lock file.
 fn install(folder: &Path) -> Result<(), String> {
-    let read = |path: &Path| fs::read_to_string(path);
-    let lock = folder.join("package-lock.json");
-    let wanted = read(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
+    let wanted = read(&folder.join("package-lock.json"))?;
     let stamp = folder.join("node_modules/spineline.stamp");
     if read(&stamp).is_ok_and(|had| had == wanted) {
         return Ok(());
@@ -83,7 +81,7 @@ fn install(folder: &Path) -> Result<(), String> {
     let help = "\n  help: npm and once a network are needed";
     run(folder, tools::NPM, &["ci", "--no-audit", "--no-fund"], &[])
         .map_err(|reason| reason + help)?;
-    fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))
+    write(&stamp, &wanted)
 }
 
 fn npm(root: &Path, arguments: &[&str], variables: &[(&str, &str)]) -> Result<(), String> {

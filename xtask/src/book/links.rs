@@ -1,7 +1,8 @@
 //! Links between pages: the book lays the documents of the repository out anew, and has no dead link.
 
-use std::fs;
 use std::path::{Component, Path, PathBuf};
+
+use crate::files::{entries, read};
 
 /// Files of the repository that the book holds beside the guide, and their places in it.
 pub const PAGES: [(&str, &str); 10] = [
@@ -44,7 +45,7 @@ pub fn in_book(text: &str, document: &str, page: &str) -> String {
 pub fn dead(folder: &Path) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
     for page in pages(folder)? {
-        let text = crate::files::read(&page)?;
+        let text = read(&page)?;
         let beside = page.parent().unwrap_or(folder);
         with_links(&text, |target| {
             let path = target.split('#').next().unwrap_or_default();
@@ -58,9 +59,8 @@ pub fn dead(folder: &Path) -> Result<Vec<String>, String> {
 }
 
 fn pages(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let entries = fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut found = Vec::new();
-    for path in entries.filter_map(Result::ok).map(|entry| entry.path()) {
+    for path in entries(folder)? {
         if path.is_dir() {
             found.extend(pages(&path)?);
         } else if path.extension().is_some_and(|end| end == "md") {

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use crate::checks::built;
 use crate::command::run;
-use crate::files::{read, write};
+use crate::files::{emptied, entries, read, write};
 use crate::plan::{Extent, Plan};
 use crate::{notebooks, python};
 
@@ -58,17 +58,14 @@ pub fn make(root: &Path) -> Result<(), String> {
 
 /// Adds the pages of the repository outside of the guide, and lets all links lead to pages of the book.
 fn add_pages(root: &Path, pages: &Path) -> Result<(), String> {
-    let failed = |error: std::io::Error| format!("{}: {error}", pages.display());
-    for entry in fs::read_dir(pages).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        let name = entry.file_name().to_string_lossy().into_owned();
+    for path in entries(pages)? {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
         if name.ends_with(".md") {
-            let text = read(&entry.path())?;
-            let page = links::in_book(&text, &format!("docs/guide/src/{name}"), &name);
-            write(&entry.path(), &page)?;
+            let page = links::in_book(&read(&path)?, &format!("docs/guide/src/{name}"), &name);
+            write(&path, &page)?;
         }
     }
-    fs::create_dir_all(pages.join("results")).map_err(failed)?;
+    emptied(&pages.join("results"))?;
     for (from, to) in links::PAGES {
         let text = read(&root.join(from))?;
         let page = if to.ends_with(".md") { links::in_book(&text, from, to) } else { text };
@@ -99,14 +96,11 @@ fn python_reference(root: &Path, page: &Path) -> Result<(), String> {
 /// Replaces the guide: pages of an older one are removed.
 fn copy(from: &Path, to: &Path) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", to.display());
-    if to.exists() {
-        fs::remove_dir_all(to).map_err(failed)?;
-    }
-    fs::create_dir_all(to.join("src")).map_err(failed)?;
+    emptied(&to.join("src"))?;
     fs::copy(from.join("book.toml"), to.join("book.toml")).map_err(failed)?;
-    for entry in fs::read_dir(from.join("src")).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        fs::copy(entry.path(), to.join("src").join(entry.file_name())).map_err(failed)?;
+    for path in entries(&from.join("src"))? {
+        let name = path.file_name().unwrap_or_default();
+        fs::copy(&path, to.join("src").join(name)).map_err(failed)?;
     }
     Ok(())
 }

@@ -4,14 +4,14 @@
 mod numbers;
 mod outcomes;
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::Path;
 use std::process::Command;
 
 use crate::book::{CERTIFICATE, credibility};
 use crate::checks::{self, built};
 use crate::command::with_output;
-use crate::files::{read, write};
+use crate::files::{emptied, read, write};
 use crate::plan::{Extent, Plan};
 use crate::{outside, python, tools};
 use outcomes::Outcomes;
@@ -32,10 +32,7 @@ pub fn certify(root: &Path, arguments: &[String]) -> Result<(), String> {
     }
     let folder = python::target()?.join(CERTIFICATE);
     let before = since.map(|folder| numbers::read_all(Path::new(folder))).transpose()?;
-    if folder.exists() {
-        fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    }
-    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    emptied(&folder)?;
     let plan = Plan::new(root, extent);
     let outcomes = outcomes_of(&plan, &folder)?;
     let now = numbers::measured(&built(&plan, "spineline")?, &folder)?;

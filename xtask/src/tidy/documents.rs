@@ -1,10 +1,9 @@
 //! Files, folders and items that documents name in backquotes exist.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::files::{read, sources};
+use crate::files::{entries, read, sources};
 
 /// Folders of documents; only what lies directly in them counts.
 const FOLDERS_OF_DOCUMENTS: [&str; 5] =
@@ -82,13 +81,6 @@ pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-/// Files and folders directly in a folder.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
-    let entries = fs::read_dir(folder).map_err(failed)?;
-    entries.map(|entry| Ok(entry.map_err(failed)?.path())).collect()
 }
 
 /// Adds all files and folders below a folder, as paths from the root with slashes.

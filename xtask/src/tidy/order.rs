@@ -1,10 +1,9 @@
 //! The order of modules and files: no cycles, and a fixed order where the order is the architecture.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use crate::files::{read, sources};
+use crate::files::{entries, read, sources};
 
 use super::circles::{Uses, uses_of_files};
 use super::imports::{handed_on, module_of, named_paths};
@@ -46,16 +45,10 @@ const ORDERS: [(&str, &[&str]); 2] = [
 const APART: (&str, &str) = ("spineline-cli", "commands");
 
 pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
-    let folder = root.join("crates");
-    let entries =
-        fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut crates: Vec<String> =
-        entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
-    crates.sort();
-    let mut folders: Vec<(String, PathBuf)> =
-        crates.into_iter().map(|name| (name.clone(), folder.join(name))).collect();
-    folders.push(("xtask".to_owned(), root.join("xtask")));
-    for (name, folder) in folders {
+    let mut folders = entries(&root.join("crates"))?;
+    folders.push(root.join("xtask"));
+    for folder in folders {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
         let source = folder.join("src");
         let top = uses(&source, 0)?;
         check_cycles(&name, &top, faults);
