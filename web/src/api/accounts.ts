@@ -1,7 +1,8 @@
 import { answerOf, api } from "./client";
 import type { Api } from "./types";
 
-export const listAccounts = () => answerOf(api.GET("/api/accounts"));
+export const listAccounts = (signal?: AbortSignal) =>
+  answerOf(api.GET("/api/accounts", { signal }));
 
 /** Adds an account, or changes one: absent values are kept. */
 export const putAccount = (name: string, body: Api<"AccountEdit">) =>

@@ -1,5 +1,5 @@
 import { answerOf, api } from "./client";
 
 /** With statistics over synthetic and real studies together, or over the real ones alone. */
-export const readCohort = (pools: boolean) =>
-  answerOf(pools ? api.GET("/api/cohort/pooled") : api.GET("/api/cohort"));
+export const readCohort = (pools: boolean, signal: AbortSignal) =>
+  answerOf(pools ? api.GET("/api/cohort/pooled", { signal }) : api.GET("/api/cohort", { signal }));

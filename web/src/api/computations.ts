@@ -35,7 +35,5 @@ export const readSpace = (study: string, signal: AbortSignal) =>
   answerOf(api.GET("/api/studies/{study}/space", { params: { path: { study } }, signal }));
 
 /** The lines of action beside predictions without mechanics, and lines of best fit, as in the report. */
-export const readLines = (study: string, signal?: AbortSignal) =>
-  answerOf(
-    api.GET("/api/studies/{study}/lines", { params: { path: { study } }, signal: signal ?? null }),
-  );
+export const readLines = (study: string, signal: AbortSignal) =>
+  answerOf(api.GET("/api/studies/{study}/lines", { params: { path: { study } }, signal }));

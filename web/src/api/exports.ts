@@ -4,7 +4,7 @@ import type { Api } from "./types";
 const of = (study: string): string => `/api/studies/${encodeURIComponent(study)}`;
 
 /** The export formats of a study. */
-export const listExports = () => answerOf(api.GET("/api/exports"));
+export const listExports = (signal: AbortSignal) => answerOf(api.GET("/api/exports", { signal }));
 
 export const exportPath = (study: string, name: Api<"ExportName">): string =>
   `${of(study)}/exports/${name}`;

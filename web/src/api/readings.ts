@@ -3,8 +3,8 @@ import type { Api } from "./types";
 
 const of = (reading: number) => ({ params: { path: { reading } } });
 
-export const readReading = (reading: number) =>
-  answerOf(api.GET("/api/readings/{reading}", of(reading)));
+export const readReading = (reading: number, signal?: AbortSignal) =>
+  answerOf(api.GET("/api/readings/{reading}", { ...of(reading), signal }));
 
 export const beginReading = (film: number, body: Api<"NewReading">) =>
   answerOf(api.POST("/api/films/{film}/readings", { params: { path: { film } }, body }));

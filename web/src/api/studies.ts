@@ -3,10 +3,10 @@ import type { Api } from "./types";
 
 const of = (study: string) => ({ params: { path: { study } } });
 
-export const listStudies = () => answerOf(api.GET("/api/studies"));
+export const listStudies = (signal?: AbortSignal) => answerOf(api.GET("/api/studies", { signal }));
 
 export const readStudy = (study: string, signal?: AbortSignal) =>
-  answerOf(api.GET("/api/studies/{study}", { ...of(study), signal: signal ?? null }));
+  answerOf(api.GET("/api/studies/{study}", { ...of(study), signal }));
 
 export const createStudy = (body: Api<"NewStudy">) => answerOf(api.POST("/api/studies", { body }));
 

@@ -3,12 +3,13 @@ import { fixed, withUnit } from "../shell/number";
 
 type Identified = Api<"Identified">;
 
-const IDENTIFIED: Record<Identified, string> = {
-  identified: "Identified",
-  ratio_only: "Ratio only",
-  bound: "At a bound",
-  contradicted: "Contradicted",
-  not_converged: "Not converged",
+/** The word of a verdict, and the class of its colour. */
+const IDENTIFIED: Record<Identified, [string, string]> = {
+  identified: ["Identified", "good"],
+  ratio_only: ["Ratio only", "note"],
+  bound: ["At a bound", "warning"],
+  contradicted: ["Contradicted", "contradiction"],
+  not_converged: ["Not converged", "error"],
 };
 
 const LINE_TOKENS: Record<Api<"LineKindName">, string> = {
@@ -18,7 +19,9 @@ const LINE_TOKENS: Record<Api<"LineKindName">, string> = {
   given_line: "--given-line",
 };
 
-export const identifiedWord = (identified: Identified): string => IDENTIFIED[identified];
+export const identifiedWord = (identified: Identified): string => IDENTIFIED[identified][0];
+
+export const identifiedTone = (identified: Identified): string => IDENTIFIED[identified][1];
 
 /** Token of the colour of a line. */
 export const lineToken = (line: Api<"LineKindName">): string => LINE_TOKENS[line];

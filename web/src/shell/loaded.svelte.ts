@@ -1,20 +1,36 @@
+import { onMount } from "svelte";
+
 import { Refusal, Unreachable } from "../api/client";
 import { connection } from "./connection.svelte";
 import { session } from "./session.svelte";
 
-/** Data of a page, loaded from the program and loaded again when the connection or the session is back. */
+/** Data of a component, loaded from the program and loaded again when the connection or the session is back. */
 export class Loaded<T> {
   value = $state.raw<T | null>(null);
   /** Why loading failed; the previous data stay. */
   error = $state.raw<unknown>(null);
 
-  constructor(private readonly read: () => Promise<T>) {}
+  readonly #gone = new AbortController();
+
+  /** Loads a component's data at its start unless it waits for a call. When the component is gone, the signal aborts `read`, and nothing is loaded again. */
+  constructor(
+    private readonly read: (signal: AbortSignal) => Promise<T>,
+    starts = true,
+  ) {
+    onMount(() => {
+      if (starts) void this.load();
+      return () => this.#gone.abort();
+    });
+  }
 
   load = async (): Promise<void> => {
+    const { signal } = this.#gone;
+    if (signal.aborted) return;
     try {
-      this.value = await this.read();
+      this.value = await this.read(signal);
       this.error = null;
     } catch (caught) {
+      if (signal.aborted) return;
       const back = backAfter(caught);
       if (!back) this.error = caught;
       else void back.then(this.load);

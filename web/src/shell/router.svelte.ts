@@ -1,36 +1,41 @@
+/** Addresses of pages without a study. */
+const ALONE = {
+  studies: "studies",
+  "new-study": "new",
+  import: "import",
+  cohort: "cohort",
+  access: "access",
+} as const;
+
+/** Ends of the addresses of a study's pages. */
+const OF_STUDY = {
+  films: "films",
+  "more-films": "more",
+  model: "model",
+  evidence: "evidence",
+  plan: "plan",
+  read: "read",
+} as const;
+
 /** The page of the app, such as `#/studies/S-017/measure`. Tokens are removed from the address at once. */
 export type Page =
-  | { name: "studies" }
-  | { name: "new-study" }
-  | { name: "import" }
-  | { name: "measure"; study: string; film?: number }
-  | { name: "films"; study: string }
-  | { name: "more-films"; study: string }
-  | { name: "model"; study: string }
-  | { name: "evidence"; study: string }
-  | { name: "plan"; study: string }
-  | { name: "read"; study: string }
-  | { name: "cohort" }
-  | { name: "access" };
+  | { name: keyof typeof ALONE }
+  | { name: keyof typeof OF_STUDY; study: string }
+  | { name: "measure"; study: string; film?: number };
 
 export function pageOf(hash: string): Page {
   const [first, study, third, fourth] = partsOf(hash);
-  if (first === "new") return { name: "new-study" };
-  if (first === "import") return { name: "import" };
-  if (first === "cohort") return { name: "cohort" };
-  if (first === "access") return { name: "access" };
-  if (first === "studies" && study) {
-    if (third === "films") return { name: "films", study };
-    if (third === "more") return { name: "more-films", study };
-    if (third === "model") return { name: "model", study };
-    if (third === "evidence") return { name: "evidence", study };
-    if (third === "plan") return { name: "plan", study };
-    if (third === "read") return { name: "read", study };
-    const film = Number(fourth);
-    return { name: "measure", study, ...(fourth && Number.isInteger(film) ? { film } : {}) };
-  }
-  return { name: "studies" };
+  if (first !== "studies" || !study) return { name: nameAt(ALONE, first) ?? "studies" };
+  const name = nameAt(OF_STUDY, third);
+  if (name) return { name, study };
+  const film = Number(fourth);
+  return { name: "measure", study, ...(fourth && Number.isInteger(film) ? { film } : {}) };
 }
+
+const nameAt = <Name extends string>(
+  pages: Record<Name, string>,
+  address: string | undefined,
+): Name | undefined => (Object.keys(pages) as Name[]).find((name) => pages[name] === address);
 
 function partsOf(hash: string): string[] {
   try {
@@ -41,34 +46,10 @@ function partsOf(hash: string): string[] {
 }
 
 export function addressOf(page: Page): string {
-  switch (page.name) {
-    case "studies":
-      return "#/studies";
-    case "new-study":
-      return "#/new";
-    case "import":
-      return "#/import";
-    case "cohort":
-      return "#/cohort";
-    case "access":
-      return "#/access";
-    case "films":
-      return `#/studies/${encodeURIComponent(page.study)}/films`;
-    case "more-films":
-      return `#/studies/${encodeURIComponent(page.study)}/more`;
-    case "model":
-      return `#/studies/${encodeURIComponent(page.study)}/model`;
-    case "evidence":
-      return `#/studies/${encodeURIComponent(page.study)}/evidence`;
-    case "plan":
-      return `#/studies/${encodeURIComponent(page.study)}/plan`;
-    case "read":
-      return `#/studies/${encodeURIComponent(page.study)}/read`;
-    case "measure": {
-      const film = page.film === undefined ? "" : `/${page.film}`;
-      return `#/studies/${encodeURIComponent(page.study)}/measure${film}`;
-    }
-  }
+  if (!("study" in page)) return `#/${ALONE[page.name]}`;
+  const film = page.name === "measure" && page.film !== undefined ? `/${page.film}` : "";
+  const end = page.name === "measure" ? `measure${film}` : OF_STUDY[page.name];
+  return `#/studies/${encodeURIComponent(page.study)}/${end}`;
 }
 
 /** The address without the film, which a page changes without being created again. */
