@@ -14,18 +14,21 @@ const POSTURES: Api<"PostureName">[] = [
 export function film(
   number: number,
   posture: Api<"PostureName">,
-  more: Partial<Api<"FilmSummary">> = {},
+  plane: Api<"SpacingPlaneName"> = "patient",
 ): Api<"FilmSummary"> {
   return {
     film: number,
     posture,
-    columns: 2140,
-    rows: 4000,
-    pixel_aspect: 1,
-    plane: "patient",
-    spacing_text: "0.143 × 0.143 mm (patient), by a ball (± 0.6 %)",
-    patient_left: "image_right",
-    inverted: false,
+    image: {
+      columns: 2140,
+      rows: 4000,
+      pixel_aspect: 1,
+      is_lateral: false,
+      patient_left: "image_right",
+      plane,
+      spacing_text: "0.143 × 0.143 mm (patient), by a ball (± 0.6 %)",
+      inverted: false,
+    },
     checked: false,
     revision: 0,
     readings: [
@@ -38,7 +41,6 @@ export function film(
         complete_levels: 15,
       },
     ],
-    ...more,
   };
 }
 
@@ -89,7 +91,7 @@ export function manyStudies(count: number): Api<"StudySummary">[] {
       status,
       status_text,
       films: postures.map((posture, place) =>
-        film(index * 5 + place, posture, index % 9 === 4 ? { plane: "pixels" } : {}),
+        film(index * 5 + place, posture, index % 9 === 4 ? "pixels" : undefined),
       ),
       curve: isMeasured
         ? {

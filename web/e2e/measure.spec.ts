@@ -397,7 +397,7 @@ test("a scale bar shows lengths at every zoom", async ({ app, page }) => {
     const response = await route.fetch();
     const detail = (await response.json()) as Api<"StudyDetail">;
     for (const film of detail.summary?.films ?? [])
-      Object.assign(film, { row_mm, plane: "detector" });
+      Object.assign(film, { row_mm, image: { ...film.image, plane: "detector" } });
     await route.fulfill({ response, json: detail });
   });
   await app.openDemo(page);

@@ -19,7 +19,7 @@ const ADDRESS = "#/studies/phantom-rod-01/model";
 
 /** Answers with a model that has a contradiction, a bound and a line without a result. */
 async function pretend(page: Page, view = modelView(), patient_left = "image_left"): Promise<void> {
-  const detail = { summary: { films: [{ posture: "erect", patient_left }] } };
+  const detail = { summary: { films: [{ posture: "erect", image: { patient_left } }] } };
   await page.route("**/api/studies/phantom-rod-01", (route) => route.fulfill({ json: detail }));
   await page.route("**/api/studies/phantom-rod-01/model", (route) => route.fulfill({ json: view }));
   await page.route("**/api/studies/phantom-rod-01/computations/replicates", (route) =>

@@ -134,7 +134,7 @@ async function scaleAtOnce(ab: Page, cd: Page): Promise<void> {
   expect(body.conflicts).toHaveLength(1);
   expect(body.conflicts[0]).toMatchObject({ who: "cd", base_revision: 0, found_revision: 1 });
   const erect = body.summary.films.find(({ posture }) => posture === "erect");
-  expect(erect).toMatchObject({ revision: 1, spacing_text: stands });
+  expect(erect).toMatchObject({ revision: 1, image: { spacing_text: stands } });
 }
 
 /** A reader lacks the controls that change a study, and the program refuses such requests. */

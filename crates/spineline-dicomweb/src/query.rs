@@ -1,6 +1,8 @@
 //! Searches and their results.
 
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use utoipa::ToSchema;
 
 use crate::answer::{self, Attributes};
 use crate::archive::Archive;
@@ -11,8 +13,11 @@ const MAX_VALUE: usize = 64;
 /// Maximum number of entries of a list.
 pub(crate) const MAX_FOUND: usize = 100;
 
-/// Keys of a search: values that name one patient or one order, so that users cannot browse an archive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Key of a search: exact values that name one patient or one order, so that users cannot browse an archive. Names are not
+/// accepted: they match several patients and would enter the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = ArchiveKey)]
 pub enum SearchKey {
     /// Patient ID (0010,0020).
     PatientId,

@@ -15,6 +15,7 @@ use spineline::warning::WarningCode;
 
 use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
+use crate::text::finite;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -363,10 +364,6 @@ fn outcomes(found: &LineOutcomes) -> (String, OutcomesRecord) {
     };
     let record = OutcomesRecord { patients: counts(&found.patients), bends: counts(&found.bends) };
     (found.kind.key().to_owned(), record)
-}
-
-fn finite(value: f64) -> Option<f64> {
-    Some(value).filter(|value| value.is_finite())
 }
 
 fn sample(values: &Clustered) -> SampleRecord {

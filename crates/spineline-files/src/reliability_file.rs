@@ -158,7 +158,7 @@ fn statistic(found: &Statistic, unit: &str) -> StatisticRecord {
     let interval = found.outcome.map(|estimate| estimate.interval);
     StatisticRecord {
         statistic: kind.key().to_owned(),
-        name: kind.name().to_owned(),
+        name: kind.to_string(),
         definition: kind.definition().to_owned(),
         unit: kind.has_unit().then(|| unit.to_owned()),
         value: found.outcome.ok().map(|estimate| estimate.value),

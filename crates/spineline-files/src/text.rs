@@ -30,6 +30,11 @@ pub fn to_line<T: Serialize>(file: &T) -> String {
     serde_json::to_string(file).expect("string keys only")
 }
 
+/// A number as JSON can hold it.
+pub(crate) fn finite(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite())
+}
+
 /// The text of a file of results: as [`to_text`], with ten significant digits. The case and the provenance in it keep all digits, because
 /// they repeat the analysis.
 ///

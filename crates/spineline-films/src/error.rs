@@ -3,89 +3,66 @@ use spineline::number::fixed;
 
 use super::Attribute;
 
-/// Likely format of a file that is not a radiograph.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum Lookalike {
-    /// No bytes at all.
-    Empty,
-    /// A ZIP archive, or a document with that format.
-    Zip,
-    /// A gzip archive.
-    Gzip,
-    /// A PDF document.
-    Pdf,
-    /// A HEIC or AVIF photograph, or a video.
-    Heic,
-    /// A GIF picture.
-    Gif,
-    /// A BMP picture.
-    Bmp,
-    /// A WebP picture.
-    Webp,
-    /// An executable program.
-    Program,
-    /// Text, such as XML or JSON.
-    Text,
-    /// Nothing known.
-    Unknown,
-}
-
-impl std::fmt::Display for Lookalike {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Empty => "is empty",
-            Self::Zip => "looks like a ZIP archive or an office document",
-            Self::Gzip => "looks like a gzip archive",
-            Self::Pdf => "looks like a PDF document",
-            Self::Heic => "looks like a HEIC or AVIF picture, or a video",
-            Self::Gif => "looks like a GIF picture",
-            Self::Bmp => "looks like a BMP picture",
-            Self::Webp => "looks like a WebP picture",
-            Self::Program => "looks like a program",
-            Self::Text => "looks like text",
-            Self::Unknown => "has an unknown format",
-        })
+spineline::named! {
+    /// Likely format of a file that is not a radiograph.
+    pub enum Lookalike {
+        /// No bytes at all.
+        Empty = "empty" as "is empty",
+        /// A ZIP archive, or a document with that format.
+        Zip = "zip" as "looks like a ZIP archive or an office document",
+        /// A gzip archive.
+        Gzip = "gzip" as "looks like a gzip archive",
+        /// A PDF document.
+        Pdf = "pdf" as "looks like a PDF document",
+        /// A HEIC or AVIF photograph, or a video.
+        Heic = "heic" as "looks like a HEIC or AVIF picture, or a video",
+        /// A GIF picture.
+        Gif = "gif" as "looks like a GIF picture",
+        /// A BMP picture.
+        Bmp = "bmp" as "looks like a BMP picture",
+        /// A WebP picture.
+        Webp = "webp" as "looks like a WebP picture",
+        /// An executable program.
+        Program = "program" as "looks like a program",
+        /// Text, such as XML or JSON.
+        Text = "text" as "looks like text",
+        /// Nothing known.
+        Unknown = "unknown" as "has an unknown format",
     }
 }
 
-/// How pixels are packed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-#[non_exhaustive]
-pub enum Codec {
-    Rle,
-    Jpeg,
-    JpegLossless,
-    JpegLs,
-    Jpeg2000,
-    Deflate,
-    Raster,
-}
-
-impl std::fmt::Display for Codec {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Rle => "RLE",
-            Self::Jpeg => "JPEG",
-            Self::JpegLossless => "JPEG lossless",
-            Self::JpegLs => "JPEG-LS",
-            Self::Jpeg2000 => "JPEG 2000",
-            Self::Deflate => "deflate",
-            Self::Raster => "picture",
-        })
+spineline::named! {
+    /// How pixels are packed.
+    pub enum Codec {
+        /// Run lengths.
+        Rle = "rle" as "RLE",
+        /// JPEG with loss.
+        Jpeg = "jpeg" as "JPEG",
+        /// JPEG without loss.
+        JpegLossless = "jpeg_lossless" as "JPEG lossless",
+        /// JPEG-LS.
+        JpegLs = "jpeg_ls" as "JPEG-LS",
+        /// JPEG 2000, or HTJ2K.
+        Jpeg2000 = "jpeg_2000" as "JPEG 2000",
+        /// A deflated data set.
+        Deflate = "deflate",
+        /// A PNG, JPEG or TIFF file.
+        Raster = "raster" as "picture",
     }
 }
 
 /// Errors of compressed pixels. The message of a decoding library is never shown, because it may quote the file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum CodecFault {
     /// The data end before the picture does.
+    #[error("they end too early")]
     Truncated,
     /// Headers that contradict the format.
+    #[error("their header contradicts the format")]
     Header,
     /// The compressed picture has another size than the data set says.
+    #[error("they are {} columns by {} rows, and the file says {} by {}", coded[0], coded[1], stated[0], stated[1])]
     Size {
         /// Columns and rows of the compressed picture.
         coded: [u32; 2],
@@ -93,52 +70,39 @@ pub enum CodecFault {
         stated: [u32; 2],
     },
     /// More bits per sample than the data set declares, or an unsupported number.
+    #[error(
+        "they have {bits} bits per sample, which their decoder or the file's Bits Allocated does not hold"
+    )]
     Precision {
         /// Bits of the compressed picture.
         bits: u8,
     },
     /// Lossy JPEG of more than 8 bits per sample.
+    #[error("{bits}-bit lossy JPEG is not supported")]
     LossyPrecision {
         /// Bits of the compressed picture.
         bits: u8,
     },
     /// Another number of components than the data set states.
+    #[error("they have {count} components")]
     Components {
         /// Components of the compressed picture.
         count: u16,
     },
     /// A part of the format that is not supported.
+    #[error("they use a part of the format that is not supported")]
     Unsupported,
     /// Data that the decoder refuses.
+    #[error("the decoder rejects them")]
     Corrupt,
     /// The decoding library panicked.
+    #[error("the decoder failed")]
     Panicked,
 }
 
 impl CodecFault {
     pub(super) const fn of(self, codec: Codec) -> FilmError {
         FilmError::Codec { codec, fault: self }
-    }
-}
-
-impl std::fmt::Display for CodecFault {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Truncated => f.write_str("they end too early"),
-            Self::Header => f.write_str("their header contradicts the format"),
-            Self::Size { coded: [a, b], stated: [c, d] } => {
-                write!(f, "they are {a} columns by {b} rows, and the file says {c} by {d}")
-            }
-            Self::Precision { bits } => write!(
-                f,
-                "they have {bits} bits per sample, which their decoder or the file's Bits Allocated does not hold"
-            ),
-            Self::LossyPrecision { bits } => write!(f, "{bits}-bit lossy JPEG is not supported"),
-            Self::Components { count } => write!(f, "they have {count} components"),
-            Self::Unsupported => f.write_str("they use a part of the format that is not supported"),
-            Self::Corrupt => f.write_str("the decoder rejects them"),
-            Self::Panicked => f.write_str("the decoder failed"),
-        }
     }
 }
 
@@ -288,106 +252,65 @@ pub enum FilmError {
     DecoderAnswer,
 }
 
-/// What is limited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-#[non_exhaustive]
-pub enum Measure {
-    FileBytes,
-    InflatedBytes,
-    Pixels,
-    Depth,
-    Elements,
-    AnswerBytes,
-}
-
-impl std::fmt::Display for Measure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::FileBytes => "bytes of the file",
-            Self::InflatedBytes => "bytes of the inflated data set",
-            Self::Pixels => "pixels of the picture",
-            Self::Depth => "depth of nested sequences",
-            Self::Elements => "elements of the data set",
-            Self::AnswerBytes => "bytes of the decoder's answer",
-        })
+spineline::named! {
+    /// What is limited.
+    pub enum Measure {
+        /// The file.
+        FileBytes = "file_bytes" as "bytes of the file",
+        /// The data set after inflation.
+        InflatedBytes = "inflated_bytes" as "bytes of the inflated data set",
+        /// The picture.
+        Pixels = "pixels" as "pixels of the picture",
+        /// How deep sequences are nested.
+        Depth = "depth" as "depth of nested sequences",
+        /// The elements.
+        Elements = "elements" as "elements of the data set",
+        /// The answer of the process that decodes.
+        AnswerBytes = "answer_bytes" as "bytes of the decoder's answer",
     }
 }
 
-/// Where a file ends too early.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-#[non_exhaustive]
-pub enum Place {
-    InPreamble,
-    InMeta,
-    InElement,
-    InSequence,
-    InFragments,
-}
-
-impl std::fmt::Display for Place {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::InPreamble => "in its preamble",
-            Self::InMeta => "in its file meta information",
-            Self::InElement => "in the header of an element",
-            Self::InSequence => "in a sequence",
-            Self::InFragments => "in the compressed picture",
-        })
+spineline::named! {
+    /// Where a file ends too early.
+    pub enum Place {
+        /// Before the first element.
+        InPreamble = "preamble" as "in its preamble",
+        /// In the file meta information.
+        InMeta = "meta" as "in its file meta information",
+        /// In an element's tag, type or length.
+        InElement = "element" as "in the header of an element",
+        /// Between the items of a sequence.
+        InSequence = "sequence" as "in a sequence",
+        /// Between the parts of a compressed picture.
+        InFragments = "fragments" as "in the compressed picture",
     }
 }
 
-/// How an element is damaged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-#[non_exhaustive]
-pub enum ElementFault {
-    /// Its value representation is not a pair of capital letters.
-    ValueRepresentation,
-    /// An undefined length where the standard requires a length.
-    UndefinedLength,
-    /// A sequence contains an element that is not an item.
-    NotAnItem,
-    /// A value of another type or length than in the standard.
-    Value,
-}
-
-impl std::fmt::Display for ElementFault {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::ValueRepresentation => "it has no value representation",
-            Self::UndefinedLength => "its length may not be undefined",
-            Self::NotAnItem => "a sequence holds something else than items",
-            Self::Value => "its value has another type or length than the standard gives it",
-        })
+spineline::named! {
+    /// How an element is damaged.
+    pub enum ElementFault {
+        /// Its value representation is not a pair of capital letters.
+        ValueRepresentation = "value_representation" as "it has no value representation",
+        /// An undefined length where the standard requires a length.
+        UndefinedLength = "undefined_length" as "its length may not be undefined",
+        /// A sequence contains an element that is not an item.
+        NotAnItem = "not_an_item" as "a sequence holds something else than items",
+        /// A value of another type or length than in the standard.
+        Value = "value" as "its value has another type or length than the standard gives it",
     }
 }
 
-/// Colours that are refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-#[non_exhaustive]
-pub enum UnsupportedPhotometric {
-    Palette,
-    Compressed,
-    /// More than 8 bits per channel.
-    Deep,
-    Unknown,
-}
-
-impl std::fmt::Display for UnsupportedPhotometric {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Palette => "colour image (PALETTE COLOR); a greyscale one is needed",
-            Self::Compressed => {
-                "colour image in a transfer syntax that is read for greyscale only; a greyscale one is needed"
-            }
-            Self::Deep => {
-                "colour image with more than 8 bits per channel; a greyscale one is needed"
-            }
-            Self::Unknown => "its photometric interpretation is unknown and not supported",
-        })
+spineline::named! {
+    /// Colours that are refused.
+    pub enum UnsupportedPhotometric {
+        /// Numbers of colours in a table.
+        Palette = "palette" as "colour image (PALETTE COLOR); a greyscale one is needed",
+        /// Colour in a transfer syntax that is read for greyscale only.
+        Compressed = "compressed" as "colour image in a transfer syntax that is read for greyscale only; a greyscale one is needed",
+        /// More than 8 bits per channel.
+        Deep = "deep" as "colour image with more than 8 bits per channel; a greyscale one is needed",
+        /// Any other value.
+        Unknown = "unknown" as "its photometric interpretation is unknown and not supported",
     }
 }
 

@@ -79,10 +79,8 @@ pub struct FilmTags {
     /// Modality (0008,0060); one of the radiographic ones, or `None`.
     pub modality: Option<String>,
     /// For [`judge_spacing`](spineline_marking::judge_spacing).
-    #[serde(with = "crate::record::spacing")]
     pub spacing: SpacingEvidence,
     /// For [`judge_view`](spineline_marking::judge_view).
-    #[serde(with = "crate::record::view")]
     pub view: ViewEvidence,
     /// Which values are bright.
     pub photometric: Photometric,

@@ -36,7 +36,6 @@ mod patient;
 mod pixels;
 mod raster;
 mod read;
-mod record;
 mod remark;
 mod resolution;
 mod rle;

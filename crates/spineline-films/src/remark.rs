@@ -1,5 +1,4 @@
 use std::borrow::Cow;
-use std::fmt;
 
 use serde::{Deserialize, Serialize};
 use spineline::number::fixed;
@@ -7,57 +6,73 @@ use spineline::number::fixed;
 use super::{Attribute, Resolution};
 
 /// A remark on a film's file. Contains no text of the file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum FilmRemark {
     /// The file has no DICOM preamble.
+    #[error("the file has no DICOM preamble")]
     NoPreamble,
     /// The file does not state its encoding; this one fits its first bytes.
+    #[error("the file does not state its encoding; {name} fits its first bytes")]
     TransferSyntaxGuessed {
         /// Name of the transfer syntax.
         name: Cow<'static, str>,
     },
     /// The file does not state the kind of its device.
+    #[error("the file does not state its modality")]
     NoModality,
     /// The file states that another part of the body was examined than the spine.
+    #[error("the file states that it shows another part of the body ({part}), not the spine")]
     OtherBodyPart {
         /// One of the defined terms of Body Part Examined, such as `BREAST`.
         part: Cow<'static, str>,
     },
     /// An attribute with an implausible value; it is not used.
+    #[error("{attribute} holds a value that is not plausible; it is not used")]
     Unusable {
         /// Which.
         attribute: Attribute,
     },
     /// The picture was in colour, and was reduced to its luminance.
+    #[error("{}", colour_words(*largest_difference))]
     Colour {
         /// Largest difference between red, green and blue of a pixel: 0 if all pixels are grey.
         largest_difference: u8,
     },
     /// The picture was compressed with loss at some time.
+    #[error("the picture was compressed with loss")]
     Lossy,
     /// Raw data FOR PROCESSING of a detector, not for display.
+    #[error("the file holds raw detector data (FOR PROCESSING), not a picture for display")]
     ForProcessing,
     /// More bytes of pixels than declared; the surplus is not used.
+    #[error("{bytes} bytes follow the picture; they are not used")]
     PixelsLeftOver {
         /// Surplus bytes.
         bytes: u64,
     },
     /// Compressed pixels hold values beyond the declared bits; they are used as they are.
+    #[error("some pixel values exceed {bits_stored} bits; they are used unchanged")]
     BeyondBitsStored {
         /// Declared bits.
         bits_stored: u8,
     },
     /// Photometric interpretation and Presentation LUT Shape contradict one another; the former decides.
+    #[error(
+        "Photometric Interpretation and Presentation LUT Shape contradict one another; the first one is used"
+    )]
     PolarityContradicted,
     /// Neither MONOCHROME1 nor MONOCHROME2 is stated: large values are taken as bright.
+    #[error("the file does not state whether large values are bright; this is assumed")]
     PolarityNotStated,
     /// An invalid table or window; the full range of values is shown instead.
+    #[error("{attribute} cannot be used for display")]
     LookupUnusable {
         /// Which.
         attribute: Attribute,
     },
     /// A pair of distances or a ratio in another notation than the standard's; it has only one meaning and is used.
+    #[error("{attribute} is `{text}` and not two values with a backslash between them; it is read as {} down and {} across (--spacing COLUMN,ROW,PLANE states another spacing)", values[0], values[1])]
     PairReadAs {
         /// Which.
         attribute: Attribute,
@@ -67,6 +82,9 @@ pub enum FilmRemark {
         values: [f64; 2],
     },
     /// A pair of distances or a ratio that cannot be read; it is not used.
+    #[error(
+        "{attribute} is `{text}`, which is not two values with a backslash between them; it is not used (--spacing COLUMN,ROW,PLANE states the spacing)"
+    )]
     PairUnreadable {
         /// Which.
         attribute: Attribute,
@@ -74,16 +92,22 @@ pub enum FilmRemark {
         text: Cow<'static, str>,
     },
     /// Different resolutions across and down, which give the shape of a pixel.
+    #[error("the file states {}: its pixels are taken as {} times as high as wide (--spacing COLUMN,ROW,PLANE states another spacing)", .0, fixed(.0.pixel_aspect(), 3))]
     UnequalResolution(Resolution),
     /// A resolution, which is not used as a scale: it may belong to a screen or a printer, or mean nothing.
+    #[error("the file states {}; this is not used as a scale, because it may belong to a screen or a printer{}", .0, .0.spacing_words())]
     ResolutionNotUsed(Resolution),
     /// The file states that text is burned into the picture: it may contain the patient's name.
+    #[error("text is burned into the picture: inspect it before passing it on")]
     BurnedIn,
     /// The file does not state whether text is burned into the picture: inspect it before passing it on.
+    #[error("the file does not state whether text is burned into the picture: inspect it")]
     BurnedInUnknown,
     /// The picture was turned or mirrored by its camera's orientation tag.
+    #[error("the picture was rotated or mirrored according to its orientation tag")]
     CameraOrientation,
     /// The picture had transparent parts; transparency is not used.
+    #[error("the picture has transparency; it is not used")]
     Transparency,
 }
 
@@ -95,76 +119,11 @@ impl FilmRemark {
     }
 }
 
-impl fmt::Display for FilmRemark {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoPreamble => f.write_str("the file has no DICOM preamble"),
-            Self::TransferSyntaxGuessed { name } => write!(
-                f,
-                "the file does not state its encoding; {name} fits its first bytes"
-            ),
-            Self::NoModality => f.write_str("the file does not state its modality"),
-            Self::OtherBodyPart { part } => write!(
-                f,
-                "the file states that it shows another part of the body ({part}), not the spine"
-            ),
-            Self::Unusable { attribute } => {
-                write!(f, "{attribute} holds a value that is not plausible; it is not used")
-            }
-            Self::Colour { largest_difference: 0 } => {
-                f.write_str("the picture was stored in colour, but all pixels are grey")
-            }
-            Self::Colour { largest_difference } => write!(
-                f,
-                "the picture was in colour (channels differ by up to {largest_difference} of 255); its luminance is used"
-            ),
-            Self::Lossy => f.write_str("the picture was compressed with loss"),
-            Self::ForProcessing => {
-                f.write_str("the file holds raw detector data (FOR PROCESSING), not a picture for display")
-            }
-            Self::PixelsLeftOver { bytes } => {
-                write!(f, "{bytes} bytes follow the picture; they are not used")
-            }
-            Self::BeyondBitsStored { bits_stored } => {
-                write!(f, "some pixel values exceed {bits_stored} bits; they are used unchanged")
-            }
-            Self::PolarityContradicted => f.write_str(
-                "Photometric Interpretation and Presentation LUT Shape contradict one another; the first one is used",
-            ),
-            Self::PolarityNotStated => {
-                f.write_str("the file does not state whether large values are bright; this is assumed")
-            }
-            Self::LookupUnusable { attribute } => {
-                write!(f, "{attribute} cannot be used for display")
-            }
-            Self::PairReadAs { attribute, text, values: [down, across] } => write!(
-                f,
-                "{attribute} is `{text}` and not two values with a backslash between them; it is read as {down} down and {across} across (--spacing COLUMN,ROW,PLANE states another spacing)"
-            ),
-            Self::PairUnreadable { attribute, text } => write!(
-                f,
-                "{attribute} is `{text}`, which is not two values with a backslash between them; it is not used (--spacing COLUMN,ROW,PLANE states the spacing)"
-            ),
-            Self::UnequalResolution(resolution) => write!(
-                f,
-                "the file states {resolution}: its pixels are taken as {} times as high as wide (--spacing COLUMN,ROW,PLANE states another spacing)",
-                fixed(resolution.pixel_aspect(), 3)
-            ),
-            Self::ResolutionNotUsed(resolution) => write!(
-                f,
-                "the file states {resolution}; this is not used as a scale, because it may belong to a screen or a printer{}",
-                resolution.spacing_words()
-            ),
-            Self::BurnedIn => {
-                f.write_str("text is burned into the picture: inspect it before passing it on")
-            }
-            Self::BurnedInUnknown => f.write_str(
-                "the file does not state whether text is burned into the picture: inspect it",
-            ),
-            Self::CameraOrientation => {
-                f.write_str("the picture was rotated or mirrored according to its orientation tag")
-            }
-            Self::Transparency => f.write_str("the picture has transparency; it is not used"),
-        }
+fn colour_words(largest_difference: u8) -> String {
+    match largest_difference {
+        0 => "the picture was stored in colour, but all pixels are grey".to_owned(),
+        _ => format!(
+            "the picture was in colour (channels differ by up to {largest_difference} of 255); its luminance is used"
+        ),
     }
 }

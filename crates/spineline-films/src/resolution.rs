@@ -8,17 +8,18 @@ use spineline::number::fixed;
 
 use super::FilmKind;
 
-/// Unit of length of a resolution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ResolutionUnit {
-    /// Missing: only the ratio has a meaning.
-    None,
-    /// An inch.
-    Inch,
-    /// A centimetre.
-    Centimetre,
-    /// A metre.
-    Metre,
+spineline::named! {
+    /// Unit of length of a resolution.
+    pub enum ResolutionUnit {
+        /// Missing: only the ratio has a meaning.
+        None = "none" as "without a unit",
+        /// An inch.
+        Inch = "inch" as "pixels per inch",
+        /// A centimetre.
+        Centimetre = "centimetre" as "pixels per centimetre",
+        /// A metre.
+        Metre = "metre" as "pixels per metre",
+    }
 }
 
 /// Pixels per unit of length, across and down.
@@ -86,18 +87,8 @@ impl Resolution {
 impl fmt::Display for Resolution {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let round = |value: f64| (value * 1e3).round() / 1e3;
-        let unit = match self.unit {
-            ResolutionUnit::None => "without a unit",
-            ResolutionUnit::Inch => "pixels per inch",
-            ResolutionUnit::Centimetre => "pixels per centimetre",
-            ResolutionUnit::Metre => "pixels per metre",
-        };
-        write!(
-            f,
-            "resolutions of {} across and {} down, {unit}",
-            round(self.across),
-            round(self.down)
-        )
+        let [across, down] = [self.across, self.down].map(round);
+        write!(f, "resolutions of {across} across and {down} down, {}", self.unit)
     }
 }
 

@@ -251,13 +251,8 @@ impl<P: Copy> Points<P> {
 
     /// The origins of a body's corners; one without is clicked.
     pub fn origins(&self, level: Level) -> Corners<Origin> {
-        let mut origins = Corners::all(Origin::Clicked);
-        for corner in CornerName::ALL {
-            if let Some(&own) = self.origins.get(&PointName::Corner(level, corner)) {
-                *corner.of_mut(&mut origins) = own;
-            }
-        }
-        origins
+        let own = |corner| self.origins.get(&PointName::Corner(level, corner)).copied();
+        CornerName::ALL.map(|corner| own(corner).unwrap_or(Origin::Clicked)).into()
     }
 
     /// The confidences of a body's corners; confidences of only some corners are an error.
@@ -269,12 +264,7 @@ impl<P: Copy> Points<P> {
         let get = |corner| self.confidences.get(&PointName::Corner(level, corner)).copied();
         match CornerName::ALL.map(get) {
             [None, None, None, None] => Ok(None),
-            [
-                Some(superior_left),
-                Some(superior_right),
-                Some(inferior_left),
-                Some(inferior_right),
-            ] => Ok(Some(Corners { superior_left, superior_right, inferior_left, inferior_right })),
+            [Some(sl), Some(sr), Some(il), Some(ir)] => Ok(Some([sl, sr, il, ir].into())),
             _ => {
                 let missing = CornerName::ALL.into_iter().filter(|&corner| get(corner).is_none());
                 Err(LandmarkError::Confidences {
@@ -319,15 +309,7 @@ impl<P: Copy> Points<P> {
             let PointName::Corner(level, _) = *name else { continue };
             let get = |corner| self.found.get(&PointName::Corner(level, corner)).map(|p| p.0);
             if let [Some(sl), Some(sr), Some(il), Some(ir)] = CornerName::ALL.map(get) {
-                bodies.insert(
-                    level,
-                    Corners {
-                        superior_left: sl,
-                        superior_right: sr,
-                        inferior_left: il,
-                        inferior_right: ir,
-                    },
-                );
+                bodies.insert(level, [sl, sr, il, ir].into());
                 continue;
             }
             let missing = CornerName::ALL.into_iter().filter(|&corner| get(corner).is_none());
@@ -422,16 +404,10 @@ pub(super) fn from_image_sides(
     [upper_left, upper_right, lower_left, lower_right]: [Pixel; 4],
     patient_left: ImageSide,
 ) -> Corners<Pixel> {
-    let (superior, inferior) = match patient_left {
-        ImageSide::Left => ([upper_left, upper_right], [lower_left, lower_right]),
-        ImageSide::Right => ([upper_right, upper_left], [lower_right, lower_left]),
-    };
-    Corners {
-        superior_left: superior[0],
-        superior_right: superior[1],
-        inferior_left: inferior[0],
-        inferior_right: inferior[1],
-    }
+    Corners::from(match patient_left {
+        ImageSide::Left => [upper_left, upper_right, lower_left, lower_right],
+        ImageSide::Right => [upper_right, upper_left, lower_right, lower_left],
+    })
 }
 
 /// The crests of a film, once.

@@ -1,16 +1,15 @@
 //! Faults of the landmarks of a film, and their messages.
 
-use std::fmt;
-
 use spineline::anatomy::{FilmView, Level, Side};
 use spineline::measure::{CornerFault, out_of_order_words};
 use spineline::number::fixed;
 use spineline::spatial::{Angle, Pixel};
 
 /// A fault of the landmarks of a film.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MarkingFault {
     /// A corner lies outside of the picture.
+    #[error("{level}: a corner at column {}, row {} lies outside of the picture", fixed(place.column_px, 1), fixed(place.row_px, 1))]
     OffPicture {
         /// Vertebra.
         level: Level,
@@ -18,6 +17,7 @@ pub enum MarkingFault {
         place: Pixel,
     },
     /// The corners do not make a body; three corners are checked as far as possible.
+    #[error("{level}: {fault}; {}", fault.help())]
     Corners {
         /// Vertebra.
         level: Level,
@@ -25,16 +25,21 @@ pub enum MarkingFault {
         fault: CornerFault,
     },
     /// One corner lies within the triangle of the others.
+    #[error("{level}: one corner lies between the others: move it out to the edge of the body")]
     NotConvex {
         /// Vertebra.
         level: Level,
     },
     /// Left and right corners are exchanged in every vertebra.
+    #[error(
+        "left and right corners are exchanged in all {count} vertebrae: check the lead marker; left is the patient's"
+    )]
     Mirrored {
         /// Vertebrae marked.
         count: usize,
     },
     /// A vertebra lies at or below the next lower one.
+    #[error("{}", out_of_order_words(*inferior, *superior, *share))]
     OutOfOrder {
         /// Lower vertebra.
         inferior: Level,
@@ -44,6 +49,7 @@ pub enum MarkingFault {
         share: f64,
     },
     /// The distance of two vertebrae suggests that one was skipped or doubled.
+    #[error("{inferior} and {superior} are {} times the expected distance for this spine apart: check that no vertebra was skipped or marked twice", fixed(*ratio, 1))]
     Distance {
         /// Lower vertebra.
         inferior: Level,
@@ -53,6 +59,7 @@ pub enum MarkingFault {
         ratio: f64,
     },
     /// A body is far wider or narrower than its neighbours.
+    #[error("{level} is {} times as wide as its neighbours: check that its corners lie on the vertebral body", fixed(*ratio, 1))]
     Width {
         /// Vertebra.
         level: Level,
@@ -60,6 +67,7 @@ pub enum MarkingFault {
         ratio: f64,
     },
     /// A body is tilted far against its neighbours.
+    #[error("{level} is tilted by {} against its neighbours: check that its corners belong to one vertebra", step.abs())]
     Tilt {
         /// Vertebra.
         level: Level,
@@ -67,6 +75,7 @@ pub enum MarkingFault {
         step: Angle,
     },
     /// A landmark of a vertebra without four corners lies far from the spine.
+    #[error("{level} lies {} times the expected distance from {near}: does this landmark belong to {level}?", fixed(*ratio, 1))]
     Far {
         /// Vertebra.
         level: Level,
@@ -76,11 +85,13 @@ pub enum MarkingFault {
         ratio: f64,
     },
     /// An iliac crest lies outside of the picture.
+    #[error("the {side} iliac crest lies outside of the picture")]
     CrestOffPicture {
         /// The patient's side.
         side: Side,
     },
     /// The left crest lies on the right.
+    #[error("the left iliac crest lies to the right of the right one: left is the patient's")]
     CrestsExchanged,
 }
 
@@ -138,7 +149,7 @@ impl MarkingFault {
 
 impl MarkingFault {
     /// The message for a film of this view; on the lateral film, with the front in place of the left, corners are
-    /// exchanged between front and back. On a frontal film it is the text of [`Display`](fmt::Display).
+    /// exchanged between front and back. On a frontal film it is the text of [`Display`](std::fmt::Display).
     #[must_use]
     pub fn words(&self, view: FilmView) -> String {
         match (view, self) {
@@ -153,57 +164,6 @@ impl MarkingFault {
                 fixed(*ratio, 1)
             ),
             _ => self.to_string(),
-        }
-    }
-}
-
-impl fmt::Display for MarkingFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OffPicture { level, place: Pixel { column_px, row_px } } => write!(
-                f,
-                "{level}: a corner at column {}, row {} lies outside of the picture",
-                fixed(*column_px, 1),
-                fixed(*row_px, 1)
-            ),
-            Self::Corners { level, fault } => write!(f, "{level}: {fault}; {}", fault.help()),
-            Self::NotConvex { level } => write!(
-                f,
-                "{level}: one corner lies between the others: move it out to the edge of the body"
-            ),
-            Self::Mirrored { count } => write!(
-                f,
-                "left and right corners are exchanged in all {count} vertebrae: check the lead marker; left is the patient's"
-            ),
-            Self::OutOfOrder { inferior, superior, share } => {
-                f.write_str(&out_of_order_words(*inferior, *superior, *share))
-            }
-            Self::Distance { inferior, superior, ratio } => write!(
-                f,
-                "{inferior} and {superior} are {} times the expected distance for this spine apart: check that no vertebra was skipped or marked twice",
-                fixed(*ratio, 1)
-            ),
-            Self::Width { level, ratio } => write!(
-                f,
-                "{level} is {} times as wide as its neighbours: check that its corners lie on the vertebral body",
-                fixed(*ratio, 1)
-            ),
-            Self::Tilt { level, step } => write!(
-                f,
-                "{level} is tilted by {} against its neighbours: check that its corners belong to one vertebra",
-                step.abs()
-            ),
-            Self::Far { level, near, ratio } => write!(
-                f,
-                "{level} lies {} times the expected distance from {near}: does this landmark belong to {level}?",
-                fixed(*ratio, 1)
-            ),
-            Self::CrestOffPicture { side } => {
-                write!(f, "the {side} iliac crest lies outside of the picture")
-            }
-            Self::CrestsExchanged => f.write_str(
-                "the left iliac crest lies to the right of the right one: left is the patient's",
-            ),
         }
     }
 }

@@ -1,10 +1,11 @@
 //! The spacing of a film from the attributes of its file, without guesses.
 
+use serde::{Deserialize, Serialize};
 use spineline::measure::{Spacing, SpacingPlane, SpacingSource};
 use spineline::number::fixed;
 
 /// How Pixel Spacing was calibrated, if the file states it (DICOM 0028,0A02).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum CalibrationType {
     /// By the known geometry of the set-up, for some depth in the patient.
     Geometry,
@@ -14,7 +15,8 @@ pub enum CalibrationType {
 
 /// The attributes of a radiograph about its spacing. Pairs are `[row, column]` as DICOM writes them: the distance
 /// between rows comes first.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SpacingEvidence {
     /// Pixel Spacing (0028,0030).
     pub pixel_mm: Option<[f64; 2]>,
@@ -35,10 +37,11 @@ pub struct SpacingEvidence {
 }
 
 /// A remark on a film's spacing, and its consequence.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpacingRemark {
     /// An attribute with implausible values, such as zero; it is not used.
+    #[error("{attribute} is {}\\{} mm, which is not a valid spacing; it is not used", values[0], values[1])]
     Unusable {
         /// Name of the attribute.
         attribute: &'static str,
@@ -46,6 +49,7 @@ pub enum SpacingRemark {
         values: [f64; 2],
     },
     /// A magnification of 1 or less, or above 2; it is not used.
+    #[error("the magnification {} is {}, and should be above 1 and at most 2; it is not used", if *stated { "stated" } else { "from the distances" }, fixed(*value, 3))]
     Magnification {
         /// The value.
         value: f64,
@@ -53,6 +57,7 @@ pub enum SpacingRemark {
         stated: bool,
     },
     /// The stated magnification and the distances contradict one another; neither is used.
+    #[error("the stated magnification {} and the one from the distances {} disagree; neither is used", fixed(*stated, 3), fixed(*by_distances, 3))]
     MagnificationsDisagree {
         /// As stated.
         stated: f64,
@@ -61,37 +66,55 @@ pub enum SpacingRemark {
     },
     /// Calibrated Pixel Spacing differs from the result of Imager Pixel Spacing and magnification; the calibrated one
     /// is used.
+    #[error("the calibrated Pixel Spacing is {} times what Imager Pixel Spacing and magnification give; the calibrated one is used", fixed(*ratio, 3))]
     SpacingsDisagree {
         /// Calibrated over computed.
         ratio: f64,
     },
     /// Pixel Spacing equals Imager Pixel Spacing although it claims to be calibrated: it is taken as calibrated.
+    #[error(
+        "Pixel Spacing is labelled as calibrated but equals Imager Pixel Spacing: no magnification was corrected"
+    )]
     CalibratedAsImager,
     /// Pixel Spacing differs from Imager Pixel Spacing without a calibration type: source and purpose of the correction
     /// are unknown.
+    #[error("Pixel Spacing is Imager Pixel Spacing divided by {}, without a stated reason", fixed(*magnification, 3))]
     CorrectionNotStated {
         /// Imager over pixel spacing, the magnification that was corrected.
         magnification: f64,
     },
     /// The distances reach to the table or support, not to the spine: the correction by them is too small.
+    #[error(
+        "the distances reach to the table or support, not to the spine: lengths are still a few percent larger than the patient's"
+    )]
     SupportNotSpine,
     /// Pixel Spacing without a calibration type differs from the spacing that is used.
+    #[error("Pixel Spacing has no calibration type, is {} times the spacing that is used, and is not used", fixed(*ratio, 3))]
     PixelSpacingPassedOver {
         /// Pixel Spacing over the spacing that is used.
         ratio: f64,
     },
     /// Pixel Spacing alone: for a projection it may be the detector's or the patient's.
+    #[error(
+        "Pixel Spacing has no calibration type: its millimetres may be the detector's or the patient's"
+    )]
     PlaneNotStated,
     /// Lengths are the detector's, larger than the patient's by an unknown magnification.
+    #[error(
+        "lengths are the detector's: larger than the patient's by a magnification that is not stated (usually 5 to 15 %)"
+    )]
     DetectorPlane,
     /// Lengths are measured on the scanned film.
+    #[error("lengths are measured on the scanned film and are not the patient's")]
     ScannedFilm,
     /// Pixels are not square; this is allowed, and rare.
+    #[error("pixels are not square: {} times as high as wide", fixed(*aspect, 3))]
     NotSquare {
         /// Height over width.
         aspect: f64,
     },
     /// The shape of a pixel is stated in two contradicting ways; the spacing decides.
+    #[error("pixels are {} times as high as wide by the spacing, and {} times by Pixel Aspect Ratio or by the resolutions; angles depend on it", fixed(*by_spacing, 3), fixed(*stated, 3))]
     AspectsDisagree {
         /// Height over width, by the spacing.
         by_spacing: f64,
@@ -99,16 +122,23 @@ pub enum SpacingRemark {
         stated: f64,
     },
     /// Only the shape of a pixel is usable.
+    #[error("the file has no usable spacing, but pixels are stated to be {} times as high as wide: angles use this shape, and lengths are in pixels", fixed(*aspect, 3))]
     AspectAlone {
         /// Height over width.
         aspect: f64,
     },
     /// An implausible shape of pixels; it is not used.
+    #[error(
+        "pixels are stated to be {aspect} times as high as wide, which is not plausible; it is not used"
+    )]
     UnusableAspect {
         /// Height over width.
         aspect: f64,
     },
     /// The spacing is missing or not usable.
+    #[error(
+        "the file has no usable spacing: pixels are assumed square for angles, and lengths are in pixels"
+    )]
     None,
 }
 
@@ -324,76 +354,5 @@ fn compare_with_imager(
         }
     } else if agree(pixel[0], imager[0]) && agree(pixel[1], imager[1]) {
         remarks.push(SpacingRemark::CalibratedAsImager);
-    }
-}
-
-impl std::fmt::Display for SpacingRemark {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match *self {
-            Self::Unusable { attribute, values: [row, column] } => {
-                write!(f, "{attribute} is {row}\\{column} mm, which is not a valid spacing; it is not used")
-            }
-            Self::Magnification { value, stated } => write!(
-                f,
-                "the magnification {} is {}, and should be above 1 and at most 2; it is not used",
-                if stated { "stated" } else { "from the distances" },
-                fixed(value, 3)
-            ),
-            Self::MagnificationsDisagree { stated, by_distances } => write!(
-                f,
-                "the stated magnification {} and the one from the distances {} disagree; neither is used",
-                fixed(stated, 3),
-                fixed(by_distances, 3)
-            ),
-            Self::SpacingsDisagree { ratio } => write!(
-                f,
-                "the calibrated Pixel Spacing is {} times what Imager Pixel Spacing and magnification give; the calibrated one is used",
-                fixed(ratio, 3)
-            ),
-            Self::CalibratedAsImager => f.write_str(
-                "Pixel Spacing is labelled as calibrated but equals Imager Pixel Spacing: no magnification was corrected",
-            ),
-            Self::CorrectionNotStated { magnification } => write!(
-                f,
-                "Pixel Spacing is Imager Pixel Spacing divided by {}, without a stated reason",
-                fixed(magnification, 3)
-            ),
-            Self::SupportNotSpine => f.write_str(
-                "the distances reach to the table or support, not to the spine: lengths are still a few percent larger than the patient's",
-            ),
-            Self::PixelSpacingPassedOver { ratio } => write!(
-                f,
-                "Pixel Spacing has no calibration type, is {} times the spacing that is used, and is not used",
-                fixed(ratio, 3)
-            ),
-            Self::PlaneNotStated => f.write_str(
-                "Pixel Spacing has no calibration type: its millimetres may be the detector's or the patient's",
-            ),
-            Self::DetectorPlane => f.write_str(
-                "lengths are the detector's: larger than the patient's by a magnification that is not stated (usually 5 to 15 %)",
-            ),
-            Self::ScannedFilm => f.write_str("lengths are measured on the scanned film and are not the patient's"),
-            Self::NotSquare { aspect } => {
-                write!(f, "pixels are not square: {} times as high as wide", fixed(aspect, 3))
-            }
-            Self::AspectsDisagree { by_spacing, stated } => write!(
-                f,
-                "pixels are {} times as high as wide by the spacing, and {} times by Pixel Aspect Ratio or by the resolutions; angles depend on it",
-                fixed(by_spacing, 3),
-                fixed(stated, 3)
-            ),
-            Self::AspectAlone { aspect } => write!(
-                f,
-                "the file has no usable spacing, but pixels are stated to be {} times as high as wide: angles use this shape, and lengths are in pixels",
-                fixed(aspect, 3)
-            ),
-            Self::UnusableAspect { aspect } => write!(
-                f,
-                "pixels are stated to be {aspect} times as high as wide, which is not plausible; it is not used"
-            ),
-            Self::None => f.write_str(
-                "the file has no usable spacing: pixels are assumed square for angles, and lengths are in pixels",
-            ),
-        }
     }
 }

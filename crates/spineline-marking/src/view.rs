@@ -1,11 +1,10 @@
 //! The view of a film from the attributes of its file; missing or contradictory values become questions.
 
-use std::fmt;
-
+use serde::{Deserialize, Serialize};
 use spineline::anatomy::{ImageSide, Posture};
 
 /// A direction in the patient, as Patient Orientation (0020,0020) names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum PatientDirection {
     Left,
@@ -33,7 +32,7 @@ impl PatientDirection {
 }
 
 /// View Position (0018,5101), with the values that matter here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ViewPosition {
     /// From the front to the back, or the reverse: `AP`, `PA`.
     Frontal,
@@ -62,7 +61,7 @@ impl ViewPosition {
 }
 
 /// The patient's orientation to gravity: Patient Orientation Code (0054,0410).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum Stance {
     Erect,
@@ -70,7 +69,8 @@ pub enum Stance {
 }
 
 /// The attributes of a radiograph about its view.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ViewEvidence {
     /// Patient Orientation: the direction of increasing columns, then of increasing rows.
     pub orientation: Option<[PatientDirection; 2]>,
@@ -90,61 +90,37 @@ pub enum View {
 }
 
 /// Questions about a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewQuestion {
     /// It is not stated whether the view is frontal or lateral.
+    #[error("the file does not say whether this is a frontal or a lateral view")]
     View,
     /// Patient Orientation and View Position name different views.
+    #[error("Patient Orientation and View Position name different views")]
     ViewsDisagree,
     /// The side of the picture with the patient's left is not stated.
+    #[error("the file does not say on which side of the picture the patient's left is")]
     PatientLeft,
     /// The side of a lateral picture with the patient's front is not stated.
+    #[error("the file does not say on which side of the picture the patient's front is")]
     PatientAnterior,
     /// Rows do not run to the feet: the film is upside down, or on its side.
+    #[error(
+        "the rows of the picture go from the top towards {rows:?} of the patient, and should go towards the feet"
+    )]
     NotUpright {
         /// Where they run to.
         rows: PatientDirection,
     },
     /// The stance in the file contradicts the film's posture.
+    #[error("the file says that the patient was {}, and the film is called {posture}", if *stance == Stance::Erect { "erect" } else { "recumbent" })]
     Stance {
         /// As the file says.
         stance: Stance,
         /// The film's posture.
         posture: Posture,
     },
-}
-
-impl fmt::Display for ViewQuestion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::View => {
-                f.write_str("the file does not say whether this is a frontal or a lateral view")
-            }
-            Self::ViewsDisagree => {
-                f.write_str("Patient Orientation and View Position name different views")
-            }
-            Self::PatientLeft => f.write_str(
-                "the file does not say on which side of the picture the patient's left is",
-            ),
-            Self::PatientAnterior => f.write_str(
-                "the file does not say on which side of the picture the patient's front is",
-            ),
-            Self::NotUpright { rows } => {
-                write!(
-                    f,
-                    "the rows of the picture go from the top towards {rows:?} of the patient, and should go towards the feet"
-                )
-            }
-            Self::Stance { stance, posture } => {
-                let stance = if *stance == Stance::Erect { "erect" } else { "recumbent" };
-                write!(
-                    f,
-                    "the file says that the patient was {stance}, and the film is called {posture}"
-                )
-            }
-        }
-    }
 }
 
 /// Statements of a file, and open questions.

@@ -14,8 +14,8 @@ use rand_distr::{Distribution, StandardNormal};
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Level, Morphometry, Posture};
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, LateralCorners, LateralFilm, Reading,
-    ReadingId, Spacing, SpacingPlane, VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, LateralFilm, Reading, ReadingId,
+    Spacing, SpacingPlane, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Pixel, Vec3};
 
@@ -212,9 +212,10 @@ impl Marker {
         view: &View,
         bodies: &[TrueBody],
         habit: EndplateHabit,
-    ) -> BTreeMap<Level, [Pixel; 4]> {
-        let mut corners =
-            |body: &TrueBody| view.corners(body, habit).map(|place| view.pixel(self.noise(place)));
+    ) -> BTreeMap<Level, Corners<Pixel>> {
+        let mut corners = |body: &TrueBody| {
+            Corners::from(view.corners(body, habit).map(|place| view.pixel(self.noise(place))))
+        };
         bodies.iter().map(|body| (body.level, corners(body))).collect()
     }
 
@@ -331,6 +332,16 @@ impl View {
         })
     }
 
+    /// The picture; a film from the side has the front in place of the left.
+    fn image(&self) -> ImageGeometry {
+        ImageGeometry {
+            columns: COLUMNS,
+            rows: ROWS,
+            spacing: Some(spacing()),
+            patient_left: self.side,
+        }
+    }
+
     /// The lowest midpoint lies in the lower middle of the picture.
     fn pixel(&self, [across, up]: [f64; 2]) -> Pixel {
         let sense = if self.side == ImageSide::Right { 1.0 } else { -1.0 };
@@ -355,47 +366,20 @@ fn spacing() -> Spacing {
 fn frontal_film(
     view: &View,
     posture: Posture,
-    read: BTreeMap<Level, [Pixel; 4]>,
+    read: BTreeMap<Level, Corners<Pixel>>,
     crests: IliacCrests,
 ) -> Film {
-    let landmarks = |[superior_left, superior_right, inferior_left, inferior_right]: [Pixel; 4]| {
-        VertebraLandmarks::clicked(Corners {
-            superior_left,
-            superior_right,
-            inferior_left,
-            inferior_right,
-        })
-    };
-    let vertebrae = read.into_iter().map(|(level, corners)| (level, landmarks(corners)));
-    let image = ImageGeometry {
-        columns: COLUMNS,
-        rows: ROWS,
-        spacing: Some(spacing()),
-        patient_left: view.side,
-    };
+    let clicked = |(level, corners)| (level, VertebraLandmarks::clicked(corners));
+    let (image, vertebrae) = (view.image(), read.into_iter().map(clicked));
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae: vertebrae.collect() }];
     let landmarks = FilmLandmarks::Corners { image, iliac_crests: Some(crests), readings };
     Film::new(posture, landmarks)
 }
 
-fn lateral_film(view: &View, read: BTreeMap<Level, [Pixel; 4]>) -> LateralFilm {
-    let landmarks = |corners: [Pixel; 4]| {
-        let [superior_anterior, superior_posterior, inferior_anterior, inferior_posterior] =
-            corners;
-        LateralCorners {
-            superior_anterior,
-            superior_posterior,
-            inferior_anterior,
-            inferior_posterior,
-        }
-    };
-    let vertebrae = read.into_iter().map(|(level, corners)| (level, landmarks(corners)));
+fn lateral_film(view: &View, vertebrae: BTreeMap<Level, Corners<Pixel>>) -> LateralFilm {
     LateralFilm {
-        columns: COLUMNS,
-        rows: ROWS,
-        spacing: Some(spacing()),
-        patient_anterior: view.side,
+        image: view.image(),
         simultaneous: false,
-        readings: vec![Reading { id: ReadingId::new("A", 1), vertebrae: vertebrae.collect() }],
+        readings: vec![Reading { id: ReadingId::new("A", 1), vertebrae }],
     }
 }

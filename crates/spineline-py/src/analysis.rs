@@ -45,20 +45,16 @@ pub struct Analysis {
 pub type Computed = (analysis::Analysis, Option<Vec<Option<Identifiability>>>);
 
 /// Computes while other Python threads run. Short work (milliseconds) does not need a thread that checks for Ctrl-C.
-fn waited_for(
-    py: Python<'_>,
-    case: &Arc<analysis::Case>,
-    request: &Request,
-) -> PyResult<Result<Computed, Fault>> {
+fn waited_for(py: Python<'_>, case: &Arc<analysis::Case>, request: &Request) -> PyResult<Computed> {
     let options = &request.options;
     let is_short = !request.identifiability
         && options.hypotheses.is_empty()
         && options.grouping != Grouping::PerJoint;
     if is_short {
-        Ok(py.detach(|| compute(case, request, &AtomicBool::new(false))))
+        Ok(py.detach(|| compute(case, request, &AtomicBool::new(false)))?)
     } else {
         let (case, request) = (Arc::clone(case), request.clone());
-        apart(py, move |stop| compute(&case, &request, stop))
+        Ok(apart(py, move |stop| compute(&case, &request, stop))??)
     }
 }
 
@@ -144,7 +140,7 @@ impl Analysis {
                 self.analysis.case_id
             );
             let help = "give the spacing of the film in the case";
-            return Err(Fault::new(text, help).raise(py));
+            return Err(Fault::new(text, help).into());
         }
         numbers::points(py, points)
     }
@@ -162,13 +158,11 @@ impl Analysis {
         command: Vec<String>,
         date_utc: String,
     ) -> PyResult<Self> {
-        let (options, files) =
-            options_of(words(&given)).map_err(|error| Fault::from(error).raise(py))?;
+        let (options, files) = options_of(words(&given)).map_err(Fault::from)?;
         let sha256 = case.input.as_ref().map_or("", |input| &input.sha256);
-        check_case(&files, sha256, &case.case.id).map_err(|fault| fault.raise(py))?;
+        check_case(&files, sha256, &case.case.id)?;
         let request = Request { options, replicates: None, identifiability };
-        let found = waited_for(py, &case.case, &request)?;
-        let (found, identifiability) = found.map_err(|fault| fault.raise(py))?;
+        let (found, identifiability) = waited_for(py, &case.case, &request)?;
         let inputs =
             case.input.iter().cloned().chain(files.into_iter().map(|one| one.file)).collect();
         let films = FilmOrigin::of([case.case.synthetic]);
@@ -187,12 +181,11 @@ impl Analysis {
     /// Repeats an analysis from its file, which must give the same results. Replicates are left out.
     #[staticmethod]
     fn repeat(py: Python<'_>, text: &str) -> PyResult<Self> {
-        let stored = parse_analysis(text).map_err(|error| Fault::from(error).raise(py))?;
+        let stored = parse_analysis(text).map_err(Fault::from)?;
         let request = Request { replicates: None, ..stored.request };
         let case = Arc::new(stored.case);
-        let found = waited_for(py, &case, &request)?;
-        let (mut found, identifiability) = found.map_err(|fault| fault.raise(py))?;
-        let then = parse_json(text).map_err(|error| Fault::from(error).raise(py))?;
+        let (mut found, identifiability) = waited_for(py, &case, &request)?;
+        let then = parse_json(text).map_err(Fault::from)?;
         found.warnings.merge(&picture_warnings(&then));
         let again = Self {
             file: Arc::new(stored.case_file),
@@ -203,7 +196,7 @@ impl Analysis {
             identifiability,
         };
         let now = parse_json(&results_text(&again.stored(&again.provenance)));
-        let now = now.map_err(|error| Fault::from(error).raise(py))?;
+        let now = now.map_err(Fault::from)?;
         if results(then) == results(now) {
             return Ok(again);
         }
@@ -214,7 +207,7 @@ impl Analysis {
             again.provenance.program()
         );
         let help = "install the same version everywhere, or compare both with `spineline rerun`";
-        Err(Fault::new(what, help).raise(py))
+        Err(Fault::new(what, help).into())
     }
 
     /// Identifier of the case.
@@ -302,9 +295,8 @@ impl Analysis {
 
     /// A figure as SVG; None if it would be empty.
     #[pyo3(signature = (name, film = None))]
-    fn figure(&self, py: Python<'_>, name: &str, film: Option<&str>) -> PyResult<Option<String>> {
-        let posture = film.map(|film| self.posture(film)).transpose();
-        let posture = posture.map_err(|fault| fault.raise(py))?;
+    fn figure(&self, name: &str, film: Option<&str>) -> PyResult<Option<String>> {
+        let posture = film.map(|film| self.posture(film)).transpose()?;
         let found = &self.analysis;
         Ok(match (name, posture) {
             ("overview", None) => Some(figures::case_overview(found)),
@@ -317,8 +309,8 @@ impl Analysis {
     }
 
     /// Refuses an unknown film.
-    fn check_film(&self, py: Python<'_>, film: &str) -> PyResult<()> {
-        self.posture(film).map(|_| ()).map_err(|fault| fault.raise(py))
+    fn check_film(&self, film: &str) -> Result<(), Fault> {
+        self.posture(film).map(|_| ())
     }
 
     /// Points of the curve of a film: (n, 2), patient's left and cranial, mm.
@@ -327,7 +319,7 @@ impl Analysis {
         py: Python<'py>,
         film: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let posture = self.posture(film).map_err(|fault| fault.raise(py))?;
+        let posture = self.posture(film)?;
         let points = posture.pose.joints.iter().map(|point| [point.y_mm, point.z_mm]);
         self.in_mm(py, film, points, &posture.outline.scale)
     }
@@ -338,7 +330,7 @@ impl Analysis {
         py: Python<'py>,
         film: &str,
     ) -> PyResult<(Vec<String>, Bound<'py, PyArray2<f64>>)> {
-        let posture = self.posture(film).map_err(|fault| fault.raise(py))?;
+        let posture = self.posture(film)?;
         let vertebrae = &posture.outline.vertebrae;
         let levels = vertebrae.iter().map(|vertebra| vertebra.level.to_string()).collect();
         let points = vertebrae.iter().map(|v| [v.location.y_mm, v.location.z_mm]);
@@ -351,7 +343,7 @@ impl Analysis {
         py: Python<'py>,
         film: &str,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let posture = self.posture(film).map_err(|fault| fault.raise(py))?;
+        let posture = self.posture(film)?;
         let Some(points) = posture.inflection_points else { return Ok(None) };
         let points = points.map(|point| [point.y_mm, point.z_mm]);
         self.in_mm(py, film, points.into_iter(), &posture.outline.scale).map(Some)
@@ -364,7 +356,7 @@ impl Analysis {
         film: &str,
         points: Vec<[f64; 2]>,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let posture = self.posture(film).map_err(|fault| fault.raise(py))?;
+        let posture = self.posture(film)?;
         let marked = self.case.films.iter().find(|one| one.posture == posture.outline.posture);
         let frame = marked.and_then(|marked| FilmFrame::of(marked, &posture.outline));
         let Some(frame) = frame else { return Ok(None) };
@@ -385,14 +377,13 @@ impl Analysis {
 
 /// Seconds that the library alone needs to analyse a case, for comparison with calls from Python.
 #[pyfunction]
-pub fn time_analysis(py: Python<'_>, case: &Case) -> PyResult<f64> {
+pub fn time_analysis(py: Python<'_>, case: &Case) -> Result<f64, Fault> {
     py.detach(|| {
         let start = Instant::now();
-        let found = analysis::analyze(&case.case, &AnalysisOptions::default());
         // Freeing the memory of a result is included.
-        found.map(drop).map(|()| start.elapsed().as_secs_f64())
+        drop(analysis::analyze(&case.case, &AnalysisOptions::default())?);
+        Ok(start.elapsed().as_secs_f64())
     })
-    .map_err(|error| Fault::from(error).raise(py))
 }
 
 /// The results of an analysis, without the request.

@@ -1,6 +1,6 @@
 //! Cases: the films of one patient.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::exceptions::PyRuntimeError;
@@ -47,23 +47,21 @@ impl Case {
 /// Reads a case, or the case within an analysis, from a file of this name, or from its bytes.
 #[pyfunction]
 #[pyo3(signature = (path, content = None))]
-pub fn read_case(py: Python<'_>, path: PathBuf, content: Option<Vec<u8>>) -> PyResult<Case> {
-    read(&path, content).map_err(|fault| fault.in_file(&path).raise(py))
-}
-
-fn read(path: &Path, content: Option<Vec<u8>>) -> Result<Case, Fault> {
-    let content = content.map_or_else(|| read_bytes(path, MAX_FILE_BYTES), Ok)?;
-    let text = text_of(path, content)?;
-    let (file, _) = parse_case_within(&text)?;
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    Case::new(file, Some(InputFile::of(name, text.as_bytes())))
+pub fn read_case(path: PathBuf, content: Option<Vec<u8>>) -> Result<Case, Fault> {
+    let read = || -> Result<Case, Fault> {
+        let content = content.map_or_else(|| read_bytes(&path, MAX_FILE_BYTES), Ok)?;
+        let text = text_of(&path, content)?;
+        let (file, _) = parse_case_within(&text)?;
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        Case::new(file, Some(InputFile::of(name, text.as_bytes())))
+    };
+    read().map_err(|fault| fault.in_file(&path))
 }
 
 /// Reads a case from the text of its file.
 #[pyfunction]
-pub fn parse_case(py: Python<'_>, text: &str) -> PyResult<Case> {
-    let parse = || Case::new(parse_case_file(text)?, None);
-    parse().map_err(|fault: Fault| fault.raise(py))
+pub fn parse_case(text: &str) -> Result<Case, Fault> {
+    Case::new(parse_case_file(text)?, None)
 }
 
 /// A synthetic patient.
@@ -78,20 +76,20 @@ pub fn phantom(
     let Some(scenario) = Scenario::ALL.into_iter().find(|known| known.key() == scenario) else {
         let names = Scenario::ALL.map(Scenario::key);
         let text = format!("unknown loading scenario `{scenario}`");
-        return Err(Fault::new(text, format!("give one of {}", names.join(", "))).raise(py));
+        return Err(Fault::new(text, format!("give one of {}", names.join(", "))).into());
     };
     if !(1..=SUBJECTS.len()).contains(&subject) {
         let text = format!("subject {subject}: there are subjects 1 to {}", SUBJECTS.len());
-        return Err(Fault::new(text, "give one of them").raise(py));
+        return Err(Fault::new(text, "give one of them").into());
     }
     if !(0.0..=10.0).contains(&noise) {
         let text = format!("noise {noise}: the factor must be from 0 to 10");
-        return Err(Fault::new(text, "give 1 for the usual noise of readers").raise(py));
+        return Err(Fault::new(text, "give 1 for the usual noise of readers").into());
     }
     let readers = if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) };
     let made = apart(py, move |_| generate(subject - 1, scenario, &readers, seed))?;
     let made = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-    Case::new(CaseFile::from_case(&made.case), None).map_err(|fault| fault.raise(py))
+    Ok(Case::new(CaseFile::from_case(&made.case), None)?)
 }
 
 #[pymethods]

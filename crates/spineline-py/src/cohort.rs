@@ -29,11 +29,10 @@ type GivenReplicates = Option<(u64, String, u64)>;
 /// Refuses invalid options and replicates. Returns the files that options name: option, name and SHA-256.
 #[pyfunction]
 pub fn check_options(
-    py: Python<'_>,
     given: Vec<(String, String)>,
     replicates: GivenReplicates,
-) -> PyResult<Vec<(String, String, String)>> {
-    let task = Task::new(given, replicates).map_err(|fault| fault.raise(py))?;
+) -> Result<Vec<(String, String, String)>, Fault> {
+    let task = Task::new(given, replicates)?;
     let words = |one: OptionFile| (one.option, one.file.name, one.file.sha256);
     Ok(task.option_files.into_iter().map(words).collect())
 }
@@ -69,8 +68,8 @@ pub fn analyze_paths<'py>(
     build: String,
     asking: PathBuf,
 ) -> PyResult<(Vec<(String, usize, Bound<'py, PyBytes>)>, usize)> {
-    let task = Task::new(given, replicates).map_err(|fault| fault.raise(py))?;
-    task.check_files(&option_files).map_err(|fault| fault.raise(py))?;
+    let task = Task::new(given, replicates)?;
+    task.check_files(&option_files)?;
     // The number of concurrent analyses is the number of workers.
     let pool = pool(1)?;
     let work = move |stop: &AtomicBool| -> Result<_, String> {

@@ -8,8 +8,8 @@ use spineline::analysis::{AnalysisOptions, analyze};
 use spineline::anatomy::Posture;
 use spineline_files::{unguarded, whole_number};
 use spineline_landmarks::{
-    ExportedFile, LandmarkExportError, LandmarkTarget, SourceImage, export_landmarks,
-    landmark_rows, lateral_rows, openable_pictures, parse_source, read_source,
+    LandmarkExportError, LandmarkTarget, SourceImage, export_landmarks, landmark_rows,
+    lateral_rows, openable_pictures, parse_source, read_source,
 };
 use spineline_tables::{NumberFormat, Series, Table as Columns, Values};
 
@@ -21,9 +21,9 @@ use crate::table::Table;
 
 /// The landmarks of all frontal films of a case, or of its lateral film, as a table.
 #[pyfunction]
-pub fn landmark_table(py: Python<'_>, case: &Case, is_lateral: bool) -> PyResult<Table> {
+pub fn landmark_table(case: &Case, is_lateral: bool) -> Result<Table, Fault> {
     let rows = if is_lateral { lateral_rows(&case.case) } else { landmark_rows(&case.case) };
-    let mut rows = rows.map_err(|error| refused(&error).raise(py))?;
+    let mut rows = rows.map_err(|error| refused(&error))?;
     let heading = rows.remove(0);
     let columns = heading.into_iter().enumerate();
     let columns = columns.map(|(place, name)| column(name, rows.iter().map(|row| &*row[place])));
@@ -88,20 +88,7 @@ pub fn landmark_files<'py>(
     film: Option<&str>,
     dicom: BTreeMap<String, Source>,
     written: [String; 2],
-) -> PyResult<Exported<'py>> {
-    let (files, notes) = exported(case, format, film, &dicom, [&written[0], &written[1]])
-        .map_err(|fault| fault.raise(py))?;
-    let files = files.into_iter().map(|file| (file.name, PyBytes::new(py, &file.bytes)));
-    Ok((files.collect(), notes))
-}
-
-fn exported(
-    case: &Case,
-    format: &str,
-    film: Option<&str>,
-    dicom: &BTreeMap<String, Source>,
-    written: [&str; 2],
-) -> Result<(Vec<ExportedFile>, Vec<String>), Fault> {
+) -> Result<Exported<'py>, Fault> {
     let posture = film.map(posture).transpose()?;
     let pictures = openable_pictures(&case.file, &case.case);
     let (sources, curves);
@@ -112,7 +99,7 @@ fn exported(
         "labelme" => LandmarkTarget::Labelme { pictures: &pictures },
         "coco" => LandmarkTarget::Coco { pictures: &pictures },
         _ => {
-            sources = dicom_sources(case, posture, dicom)?;
+            sources = dicom_sources(case, posture, &dicom)?;
             curves = match analyze(&case.case, &AnalysisOptions::default()) {
                 Ok(found) => found.movement.end_vertebrae(),
                 Err(error) => {
@@ -120,7 +107,8 @@ fn exported(
                     Vec::new()
                 }
             };
-            LandmarkTarget::DicomSr { sources: &sources, curves: &curves, written }
+            let [date, time] = &written;
+            LandmarkTarget::DicomSr { sources: &sources, curves: &curves, written: [date, time] }
         }
     };
     let files = export_landmarks(&case.case, posture, target).map_err(|error| refused(&error))?;
@@ -128,7 +116,8 @@ fn exported(
     notes.extend(
         left_out.map(|part| format!("this format has no place for {part}; the case keeps them")),
     );
-    Ok((files, notes))
+    let files = files.into_iter().map(|file| (file.name, PyBytes::new(py, &file.bytes)));
+    Ok((files.collect(), notes))
 }
 
 fn posture(film: &str) -> Result<Posture, Fault> {

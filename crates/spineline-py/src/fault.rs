@@ -68,11 +68,13 @@ impl Fault {
         self.0.film = posture.map(|posture| posture.key().to_owned());
         self
     }
+}
 
-    /// The Python exception.
-    pub fn raise(self, py: Python<'_>) -> PyErr {
-        let Facts { text, help, file, film, level, value, limit } = *self.0;
-        let made = || -> PyResult<PyErr> {
+/// The Python exception.
+impl From<Fault> for PyErr {
+    fn from(fault: Fault) -> Self {
+        let Facts { text, help, file, film, level, value, limit } = *fault.0;
+        let made = Python::attach(|py| -> PyResult<Self> {
             let class = py.import("spineline._errors")?.getattr("InputError")?;
             let facts = PyDict::new(py);
             facts.set_item("help", help)?;
@@ -82,9 +84,9 @@ impl Fault {
             facts.set_item("value", value)?;
             facts.set_item("limit", limit)?;
             // A traceback goes to a terminal.
-            Ok(PyErr::from_value(class.call((shown(&text),), Some(&facts))?))
-        };
-        made().unwrap_or_else(|error| error)
+            Ok(Self::from_value(class.call((shown(&text),), Some(&facts))?))
+        });
+        made.unwrap_or_else(|error| error)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Films of a case: taken out and put together.
 
 use pyo3::prelude::*;
-use spineline::analysis::{self, Subject, check_repeated};
+use spineline::analysis::{self, check_repeated};
 use spineline::anatomy::FilmView;
 use spineline::error::Error;
 use spineline::measure::{Film, FilmLandmarks, LateralFilm, SpacingPlane};
@@ -37,8 +37,7 @@ pub fn one_film(
     source: FilmSource,
 ) -> Result<Case, Fault> {
     let posture = films.first().map(|film| film.posture);
-    let (id, subject) = (ALONE.to_owned(), Subject::default());
-    let case = analysis::Case { id, synthetic: false, subject, films, lateral };
+    let case = analysis::Case { lateral, ..analysis::Case::of_films(ALONE, films) };
     let file = CaseFile::from_case(&case);
     let file = match posture {
         Some(posture) => file.with_source(posture, source),
@@ -50,17 +49,12 @@ pub fn one_film(
 /// One case of the films of these cases. It is synthetic if it is said to be, or if one of them is.
 #[pyfunction]
 pub fn case_of_films(
-    py: Python<'_>,
     films: Vec<PyRef<'_, Case>>,
     case_id: String,
     synthetic: bool,
-) -> PyResult<Case> {
-    let synthetic = synthetic || films.iter().any(|one| one.case.synthetic);
+) -> Result<Case, Fault> {
     let parts: Vec<&Case> = films.iter().map(|one| &**one).collect();
-    joined(&parts, case_id, synthetic).map_err(|fault| fault.raise(py))
-}
-
-fn joined(parts: &[&Case], id: String, synthetic: bool) -> Result<Case, Fault> {
+    let synthetic = synthetic || parts.iter().any(|one| one.case.synthetic);
     let views: Vec<FilmView> = parts.iter().flat_map(|one| one.all_films()).collect();
     if let Some((_, view)) = views.iter().enumerate().find(|(i, view)| views[..*i].contains(view)) {
         return Err(Fault::new(format!("two films are {view}"), "give every film once"));
@@ -68,7 +62,7 @@ fn joined(parts: &[&Case], id: String, synthetic: bool) -> Result<Case, Fault> {
     let films: Vec<Film> = parts.iter().flat_map(|one| one.case.films.iter().cloned()).collect();
     check_repeated(&films).map_err(Error::from)?;
     let lateral = parts.iter().find_map(|one| one.case.lateral.clone());
-    let case = analysis::Case { id, synthetic, subject: Subject::default(), films, lateral };
+    let case = analysis::Case { synthetic, lateral, ..analysis::Case::of_films(case_id, films) };
     let file = parts.iter().fold(CaseFile::from_case(&case), |file, one| with_pictures(file, one));
     Case::new(file, None)
 }
@@ -86,22 +80,19 @@ fn with_pictures(file: CaseFile, of: &Case) -> CaseFile {
 
 /// One film of a case, as a case.
 #[pyfunction]
-pub fn film_of(py: Python<'_>, case: &Case, name: &str) -> PyResult<Case> {
-    let made = || -> Result<Case, Fault> {
-        let wanted = view(name)?;
-        let films = case.case.films.iter().filter(|film| wanted.posture() == Some(film.posture));
-        let films: Vec<Film> = films.cloned().collect();
-        let lateral = case.case.lateral.clone().filter(|_| wanted == FilmView::Lateral);
-        if films.is_empty() && lateral.is_none() {
-            let names: Vec<&str> = case.all_films().into_iter().map(FilmView::key).collect();
-            let text = format!("{}: the case has no {wanted} film", case.case.id);
-            return Err(Fault::new(text, format!("give one of {}", names.join(", "))));
-        }
-        let (id, synthetic) = (ALONE.to_owned(), case.case.synthetic);
-        let alone = analysis::Case { id, synthetic, subject: Subject::default(), films, lateral };
-        Case::new(with_pictures(CaseFile::from_case(&alone), case), None)
-    };
-    made().map_err(|fault| fault.raise(py))
+pub fn film_of(case: &Case, name: &str) -> Result<Case, Fault> {
+    let wanted = view(name)?;
+    let films = case.case.films.iter().filter(|film| wanted.posture() == Some(film.posture));
+    let films: Vec<Film> = films.cloned().collect();
+    let lateral = case.case.lateral.clone().filter(|_| wanted == FilmView::Lateral);
+    if films.is_empty() && lateral.is_none() {
+        let names: Vec<&str> = case.all_films().into_iter().map(FilmView::key).collect();
+        let text = format!("{}: the case has no {wanted} film", case.case.id);
+        return Err(Fault::new(text, format!("give one of {}", names.join(", "))));
+    }
+    let synthetic = case.case.synthetic;
+    let alone = analysis::Case { synthetic, lateral, ..analysis::Case::of_films(ALONE, films) };
+    Case::new(with_pictures(CaseFile::from_case(&alone), case), None)
 }
 
 /// The plane of the millimetres of a case with one frontal film; None for a lateral film.

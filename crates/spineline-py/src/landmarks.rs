@@ -97,15 +97,14 @@ pub struct FilmOptions {
 /// Reads films, each as a case of one film. Also returns remarks on rows that were skipped.
 #[pyfunction]
 pub fn films_of_landmarks(
-    py: Python<'_>,
     source: Source,
     given: FilmOptions,
-) -> PyResult<(Vec<Case>, Vec<String>)> {
+) -> Result<(Vec<Case>, Vec<String>), Fault> {
     let read = || match given.view()? {
         Some(FilmView::Lateral) => Ok((vec![lateral(&source, &given)?], Vec::new())),
         view => frontal(&source, view.and_then(FilmView::posture), &given),
     };
-    read().map_err(|fault| source.in_fault(fault).raise(py))
+    read().map_err(|fault| source.in_fault(fault))
 }
 
 impl FilmOptions {
@@ -273,20 +272,9 @@ fn lateral(source: &Source, given: &FilmOptions) -> Result<Case, Fault> {
     let hint = given.hint(None, None);
     let readings = parse_lateral_csv(&source.bytes()?, &hint)?;
     let corners = readings.iter().flat_map(|reading| reading.vertebrae.values());
-    let points = corners.flat_map(|corners| {
-        let superior = [corners.superior_anterior, corners.superior_posterior];
-        let inferior = [corners.inferior_anterior, corners.inferior_posterior];
-        superior.into_iter().chain(inferior)
-    });
+    let points = corners.flat_map(|corners| corners.points());
     let image = given.image(None, patient_anterior, points)?;
-    let film = LateralFilm {
-        columns: image.columns,
-        rows: image.rows,
-        spacing: image.spacing,
-        patient_anterior,
-        simultaneous: given.simultaneous,
-        readings,
-    };
+    let film = LateralFilm { image, simultaneous: given.simultaneous, readings };
     film.measure(&mut Warnings::default()).map_err(Error::from)?;
     one_film(Vec::new(), Some(film), given.picture()?)
 }

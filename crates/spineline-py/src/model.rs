@@ -30,15 +30,13 @@ pub struct Model {
 
 /// Reads a model from the text of its file.
 #[pyfunction]
-pub fn parse_model_text(py: Python<'_>, text: String) -> PyResult<Model> {
-    match parse_model(&text) {
-        Ok(stored) if stored.model.spine.joints.is_empty() => {
-            let help = "give a model of at least two vertebrae";
-            Err(Fault::new("the model has no joint", help).raise(py))
-        }
-        Ok(stored) => Ok(Model { text, model: stored.model }),
-        Err(error) => Err(Fault::from(error).raise(py)),
+pub fn parse_model_text(text: String) -> Result<Model, Fault> {
+    let model = parse_model(&text)?.model;
+    if model.spine.joints.is_empty() {
+        let help = "give a model of at least two vertebrae";
+        return Err(Fault::new("the model has no joint", help));
     }
+    Ok(Model { text, model })
 }
 
 #[pymethods]
@@ -46,7 +44,7 @@ impl Model {
     /// The model of an analysis with a line of action; `auto` means the choice of
     /// [`spineline::analysis::Analysis::choose_model`].
     #[new]
-    fn new(py: Python<'_>, analysis: &Analysis, line: &str) -> PyResult<Self> {
+    fn new(py: Python<'_>, analysis: &Analysis, line: &str) -> Result<Self, Fault> {
         let found = &analysis.analysis;
         let automatic = (line == "auto").then(|| py.detach(|| found.choose_model()));
         let line = automatic.flatten().map_or(line, |choice| choice.kind.key());
@@ -59,11 +57,11 @@ impl Model {
                 [] => "a model needs a bending film with a line of action, and the scale of every film".to_owned(),
                 lines => format!("give one of {}", lines.join(", ")),
             };
-            return Err(Fault::new(text, help).raise(py));
+            return Err(Fault::new(text, help));
         };
         let file = ModelFile::new(found, model, &generator());
         let file = file.with_provenance(analysis.provenance.clone());
-        parse_model_text(py, text_with_hash(to_text(&file)))
+        parse_model_text(text_with_hash(to_text(&file)))
     }
 
     /// Identifier of the case.
@@ -107,14 +105,14 @@ impl Model {
     }
 
     /// The model in the format of another program: `mjcf`, `osim`, `sto`, `loads`, `urdf`, `vtp` or `gltf`.
-    fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
+    fn export(&self, format: &str) -> Result<String, Fault> {
         let Ok(format) = format.parse::<ExportFormat>() else {
             let text = format!("unknown format `{format}`");
             let help = "give \"mjcf\", \"osim\", \"sto\", \"loads\", \"urdf\", \"vtp\" or \"gltf\"";
-            return Err(Fault::new(text, help).raise(py));
+            return Err(Fault::new(text, help));
         };
         let written = export(&self.model, format, &generator());
-        written.map_err(|error| Fault::new(&error, error.help()).raise(py))
+        written.map_err(|error| Fault::new(&error, error.help()))
     }
 
     /// The model under the loads of a load file, up to their full size or up to a lateral tilt to the patient's right.
@@ -130,11 +128,11 @@ impl Model {
         if let Some(name) = support {
             let Ok(support) = name.parse::<Support>() else {
                 let text = format!("unknown support `{name}`");
-                return Err(Fault::new(text, "give \"free\" or \"frontal\"").raise(py));
+                return Err(Fault::new(text, "give \"free\" or \"frontal\"").into());
             };
             model.support = support;
         }
-        let loads = parse_load(loads).map_err(|error| Fault::from(error).raise(py))?;
+        let loads = parse_load(loads).map_err(Fault::from)?;
         let tilt = tilt_right_deg.map(|degrees| Goal::LateralTilt(Angle::from_deg(degrees)));
         let goal = tilt.unwrap_or(Goal::FullLoad);
         let found = apart(py, move |stop| {
@@ -146,7 +144,7 @@ impl Model {
                 }
             })
         })?;
-        let found = found.map_err(|error| Fault::new(&error, error.help()).raise(py))?;
+        let found = found.map_err(|error| Fault::new(&error, error.help()))?;
         Ok(Simulation { found })
     }
 
@@ -223,11 +221,11 @@ impl Simulation {
 
 /// A force by its direction in the patient's terms and its size, in the frame of the model.
 #[pyfunction]
-pub fn force_vector(py: Python<'_>, towards: &str, size: f64) -> PyResult<[f64; 3]> {
+pub fn force_vector(towards: &str, size: f64) -> Result<[f64; 3], Fault> {
     let Some(direction) = spineline_files::direction(towards) else {
         let names = spineline_files::DIRECTIONS.map(|(name, _)| name);
         let text = format!("unknown direction `{towards}`");
-        return Err(Fault::new(text, format!("give one of {}", names.join(", "))).raise(py));
+        return Err(Fault::new(text, format!("give one of {}", names.join(", "))));
     };
     Ok(direction.map(|part| part * size))
 }

@@ -53,7 +53,7 @@ impl Replicates {
         date_utc: String,
         progress: Py<PyAny>,
     ) -> PyResult<Self> {
-        let asked = asked(count, noise_text, seed).map_err(|fault| fault.raise(py))?;
+        let asked = asked(count, noise_text, seed)?;
         let (nominal, pool) = (of.clone_ref(py), pool(threads)?);
         // One replicate takes seconds where other loads are compared.
         let done = Arc::new(AtomicU64::new(0));
@@ -69,8 +69,7 @@ impl Replicates {
         let found = apart_with(py, show, move |stop| {
             let Analysis { case, analysis, .. } = nominal.get();
             run_replicates(case, analysis, &asked, &pool, stop, &counted)
-        })?;
-        let found = found.map_err(|fault| fault.raise(py))?;
+        })??;
         if shown != Some(count) {
             progress.call1(py, (count,))?;
         }
@@ -123,9 +122,9 @@ impl Replicates {
             {
                 let MultiplierSpread { value, quantiles } = ratio;
                 let ratio = Numbers { value, quantiles, mean: None, sd: None, ..numbers };
-                all.set_item(format!("multiplier.{rest}"), ratio.dictionary(py)?)?;
+                all.set_item(format!("multiplier.{rest}"), ratio)?;
             }
-            all.set_item(&name, numbers.dictionary(py)?)?;
+            all.set_item(&name, numbers)?;
         }
         Ok(all)
     }
@@ -230,7 +229,7 @@ fn name(quantity: AnalysisQuantity, analysis: &Found) -> String {
 }
 
 /// The statistics of one number.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, IntoPyObject)]
 struct Numbers {
     unit: &'static str,
     value: Option<f64>,
@@ -239,18 +238,4 @@ struct Numbers {
     quantiles: Option<[f64; 5]>,
     at_bound: bool,
     count: u64,
-}
-
-impl Numbers {
-    fn dictionary<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let found = PyDict::new(py);
-        found.set_item("unit", self.unit)?;
-        found.set_item("value", self.value)?;
-        found.set_item("mean", self.mean)?;
-        found.set_item("sd", self.sd)?;
-        found.set_item("quantiles", self.quantiles)?;
-        found.set_item("at_bound", self.at_bound)?;
-        found.set_item("count", self.count)?;
-        Ok(found)
-    }
 }

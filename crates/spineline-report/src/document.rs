@@ -6,7 +6,7 @@ use serde::Serialize;
 use spineline::warning::{Severity, Warning};
 
 /// A whole report.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Document {
     /// Kind of report.
     pub title: String,
@@ -19,12 +19,12 @@ pub struct Document {
     /// The report.
     pub sections: Vec<Section>,
     /// The analysis behind it as JSON, which every writer embeds: one object, or an array for a cohort.
-    #[serde(skip)]
     pub analysis: String,
 }
 
 /// A part of a report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "api", derive(utoipa::ToSchema), schema(as = SectionView))]
 pub struct Section {
     /// Name for links, equal in every report.
     pub id: &'static str,
@@ -37,6 +37,7 @@ pub struct Section {
 /// A block of a section.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", content = "of", rename_all = "snake_case")]
+#[cfg_attr(feature = "api", derive(utoipa::ToSchema), schema(as = BlockView))]
 pub enum Block {
     /// A heading within the section.
     Heading(String),
@@ -89,8 +90,10 @@ impl From<Severity> for NoticeKind {
 
 /// A notice.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "api", derive(utoipa::ToSchema), schema(as = ReportNotice))]
 pub struct Notice {
     /// Severity.
+    #[cfg_attr(feature = "api", schema(value_type = String))]
     pub kind: NoticeKind,
     /// Subject, such as `left bending film, T9`; may be empty.
     pub place: String,
@@ -123,6 +126,7 @@ impl From<&Warning> for Notice {
 
 /// One column of a table.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "api", derive(utoipa::ToSchema), schema(as = ColumnView))]
 pub struct Column {
     /// Its head, with the unit where it has one.
     pub head: String,
@@ -145,7 +149,8 @@ impl Column {
 }
 
 /// Rows and columns.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "api", derive(utoipa::ToSchema), schema(as = TableView))]
 pub struct Table {
     /// What it shows.
     pub caption: String,
@@ -164,6 +169,19 @@ impl Table {
         Self { caption: caption.into(), columns, rows: Vec::new(), note: String::new() }
     }
 
+    /// A table with one row per item, whose columns are filled one by one.
+    pub(crate) fn of<R>(
+        caption: impl Into<String>,
+        items: impl IntoIterator<Item = R>,
+        columns: impl FnOnce(&mut Columns<R>),
+    ) -> Self {
+        let items: Vec<R> = items.into_iter().collect();
+        let table = Self { rows: vec![Vec::new(); items.len()], ..Self::new(caption, Vec::new()) };
+        let mut add = Columns { items, table };
+        columns(&mut add);
+        add.table
+    }
+
     /// Adds a row.
     ///
     /// # Panics
@@ -174,15 +192,40 @@ impl Table {
     }
 }
 
+/// Columns of [`Table::of`]: each call heads and fills the next one.
+pub(crate) struct Columns<R> {
+    items: Vec<R>,
+    table: Table,
+}
+
+impl<R> Columns<R> {
+    fn add<C: Into<String>>(&mut self, column: Column, cell: impl Fn(&R) -> C) {
+        self.table.columns.push(column);
+        for (row, item) in self.table.rows.iter_mut().zip(&self.items) {
+            row.push(cell(item).into());
+        }
+    }
+
+    /// A column of words.
+    pub fn words<C: Into<String>>(&mut self, head: impl Into<String>, cell: impl Fn(&R) -> C) {
+        self.add(Column::words(head), cell);
+    }
+
+    /// A column of numbers.
+    pub fn numbers<C: Into<String>>(&mut self, head: impl Into<String>, cell: impl Fn(&R) -> C) {
+        self.add(Column::numbers(head), cell);
+    }
+}
+
 /// A picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "api", derive(utoipa::ToSchema), schema(as = FigureView))]
 pub struct Figure {
     /// Name of its file without ending, the same in every report of its kind.
     pub name: String,
     /// What it shows.
     pub caption: String,
     /// The picture as SVG text.
-    #[serde(skip)]
     pub svg: String,
     /// The same in 3D, for writers with rotatable views.
     #[serde(skip)]

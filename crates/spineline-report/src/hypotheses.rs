@@ -3,9 +3,7 @@
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::cohort::{BaselinesOverPatients, ComparisonOutcome};
 use spineline::evaluate::Baseline;
-use spineline::hypothesis::{
-    Hypothesis, HypothesisComparison, HypothesisScores, HypothesisSummary, Role, compare,
-};
+use spineline::hypothesis::{Hypothesis, HypothesisComparison, HypothesisScores, Role, compare};
 use spineline::number::{fixed, signed};
 
 use crate::document::{Column, Section, Table};
@@ -91,52 +89,26 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
 }
 
 fn table(block: &HypothesisComparison, caption: String) -> Table {
-    let columns = vec![
-        Column::words("Load and base"),
-        Column::numbers("Free"),
-        Column::numbers("Fitted (mm)"),
-        Column::numbers("Left out (mm)"),
-        Column::numbers("With prior (mm)"),
-        Column::numbers("With tilt (mm)"),
-        Column::numbers("Load fitted (mm)"),
-        Column::numbers("Held out (mm)"),
-        Column::numbers("Fitted (°)"),
-        Column::numbers("Left out (°)"),
-        Column::numbers("Counter-rotating"),
-        Column::numbers("AICc"),
-        Column::numbers("BIC"),
-        Column::numbers("Best"),
-        Column::numbers("Lost"),
-    ];
-    let mut table = Table::new(caption, columns);
-    for summary in &block.hypotheses {
-        table.row(row(summary));
-    }
-    table
-}
-
-fn row(summary: &HypothesisSummary) -> Vec<String> {
     let number = |value: Option<f64>| value.map_or_else(none, |value| fixed(value, 1));
     let of = |values: &[Option<f64>], role: Role| {
-        values[Role::ALL.iter().position(|one| *one == role).expect("it is one of all")]
+        let place = Role::ALL.iter().position(|one| *one == role).expect("it is one of all");
+        number(values[place])
     };
-    let mm = |role| number(of(&summary.location_mm, role));
-    let deg = |role| number(of(&summary.rotation_deg, role));
-    vec![
-        summary.hypothesis.to_string(),
-        summary.free.to_string(),
-        mm(Role::Fitted),
-        mm(Role::LeftOut),
-        mm(Role::LeftOutWithPrior),
-        mm(Role::LeftOutWithTilt),
-        mm(Role::LeftOutLoadFitted),
-        mm(Role::HeldOut),
-        deg(Role::Fitted),
-        deg(Role::LeftOut),
-        number(summary.against),
-        signed(summary.aicc_difference, 0),
-        signed(summary.bic_difference, 0),
-        format!("{}, {}", summary.best_left_out, summary.best_aicc),
-        summary.lost.to_string(),
-    ]
+    Table::of(caption, &block.hypotheses, |add| {
+        add.words("Load and base", |one| one.hypothesis.to_string());
+        add.numbers("Free", |one| one.free.to_string());
+        add.numbers("Fitted (mm)", |one| of(&one.location_mm, Role::Fitted));
+        add.numbers("Left out (mm)", |one| of(&one.location_mm, Role::LeftOut));
+        add.numbers("With prior (mm)", |one| of(&one.location_mm, Role::LeftOutWithPrior));
+        add.numbers("With tilt (mm)", |one| of(&one.location_mm, Role::LeftOutWithTilt));
+        add.numbers("Load fitted (mm)", |one| of(&one.location_mm, Role::LeftOutLoadFitted));
+        add.numbers("Held out (mm)", |one| of(&one.location_mm, Role::HeldOut));
+        add.numbers("Fitted (°)", |one| of(&one.rotation_deg, Role::Fitted));
+        add.numbers("Left out (°)", |one| of(&one.rotation_deg, Role::LeftOut));
+        add.numbers("Counter-rotating", |one| number(one.against));
+        add.numbers("AICc", |one| signed(one.aicc_difference, 0));
+        add.numbers("BIC", |one| signed(one.bic_difference, 0));
+        add.numbers("Best", |one| format!("{}, {}", one.best_left_out, one.best_aicc));
+        add.numbers("Lost", |one| one.lost.to_string());
+    })
 }

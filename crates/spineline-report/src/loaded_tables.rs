@@ -147,7 +147,8 @@ impl LoadedTables<'_> {
             LoadedQuantity::TopTilt => format!("Tilt of {top} against {base}"),
             LoadedQuantity::TopOffset => format!("{top} from the axis of {base}"),
             LoadedQuantity::CoronalBalance => {
-                let reference = self.film.map_or("", |film| sacral_reference(film).words());
+                let reference =
+                    self.film.map_or_else(String::new, |film| sacral_reference(film).to_string());
                 format!("Coronal balance: {top} from the vertical through {reference}")
             }
             LoadedQuantity::Factor => return None,
@@ -166,37 +167,25 @@ impl LoadedTables<'_> {
     /// Every shape that meets the target, where there is a choice or no result.
     #[must_use]
     pub fn solutions(&self) -> Table {
-        let columns = vec![
-            Column::words("Shapes that meet the target"),
-            Column::numbers("Factor"),
-            Column::numbers("Limit points"),
-            Column::numbers("Branch points"),
-            Column::numbers("Largest joint rotation"),
-            Column::numbers(format!("Lateral tilt of {}", self.ends())),
-            Column::words("Verdict"),
-        ];
-        let mut table = Table::new("", columns);
         let response = &self.simulated.response;
-        if response.goal == Goal::FullLoad && response.ending == PathEnding::Converged {
-            return table;
-        }
-        for met in &response.equilibria {
-            let equilibrium = &met.equilibrium;
-            let way = match met.sign {
+        let is_one = response.goal == Goal::FullLoad && response.ending == PathEnding::Converged;
+        let shapes = response.equilibria.iter().filter(|_| !is_one);
+        Table::of("", shapes, |add| {
+            add.words("Shapes that meet the target", |met| match met.sign {
                 ForceSign::Positive => "loads along their direction",
                 ForceSign::Negative => "loads against their direction",
-            };
-            table.row(vec![
-                way.to_owned(),
-                fixed(equilibrium.factor, 6),
-                equilibrium.limit_points.to_string(),
-                equilibrium.branch_points.to_string(),
-                largest_hinge(&equilibrium.deformed).2.abs().to_string(),
-                equilibrium.deformed.lateral_tilt().leaning(),
-                verdict_words(met).to_owned(),
-            ]);
-        }
-        table
+            });
+            add.numbers("Factor", |met| fixed(met.equilibrium.factor, 6));
+            add.numbers("Limit points", |met| met.equilibrium.limit_points.to_string());
+            add.numbers("Branch points", |met| met.equilibrium.branch_points.to_string());
+            add.numbers("Largest joint rotation", |met| {
+                largest_hinge(&met.equilibrium.deformed).2.abs().to_string()
+            });
+            add.numbers(format!("Lateral tilt of {}", self.ends()), |met| {
+                met.equilibrium.deformed.lateral_tilt().leaning()
+            });
+            add.words("Verdict", |met| verdict_words(met));
+        })
     }
 
     /// The status first, then what it means and what to do; without a result also the shape that is nearest to the target.

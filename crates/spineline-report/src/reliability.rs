@@ -1,8 +1,8 @@
 //! The reliability of readings as a document: one row per quantity, or all statistics of every quantity and design.
 
 use spineline::reliability::{
-    BlandAltman, Design, DesignReliability, Icc, QuantityReliability, SemKind, Statistic,
-    StatisticKind, shown_measure,
+    BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticKind,
+    shown_measure,
 };
 
 use crate::document::{Column, Document, Notice, NoticeKind, Section, Table};
@@ -68,7 +68,7 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
             Design::InterObserverMeans => 1,
             Design::IntraObserver { .. } => 2,
         };
-        let sem = StatisticKind::Sem(SemKind::Agreement);
+        let sem = StatisticKind::SemAgreement;
         let of = |design: &DesignReliability, kind| {
             let mut all = design.statistics.iter();
             let (value, interval) = all.find(|one| one.kind == kind)?.shown();
@@ -91,8 +91,8 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
             compared,
             design.subjects.to_string(),
             with_interval(sem),
-            value(StatisticKind::Mdc95(SemKind::Agreement)),
-            with_interval(StatisticKind::Icc(Icc::AgreementSingle)),
+            value(StatisticKind::Mdc95Agreement),
+            with_interval(StatisticKind::IccAgreement),
             value(StatisticKind::Pearson),
         ]);
     }
@@ -137,7 +137,7 @@ fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {
 fn statistic_row(statistic: &Statistic, unit: &str) -> Vec<String> {
     let (value, interval) = statistic.shown();
     let unit = if statistic.kind.has_unit() { unit } else { "1" };
-    vec![statistic.kind.name().to_owned(), value.unwrap_or_else(none), interval, unit.to_owned()]
+    vec![statistic.kind.to_string(), value.unwrap_or_else(none), interval, unit.to_owned()]
 }
 
 /// The rows of a table for bias and limits of agreement.

@@ -39,30 +39,22 @@ pub fn summary(learned: &LearnedRotations, synthetic: bool, generator: &str) -> 
 
 /// Mean, deviation and correlation of the rotations, joint by joint.
 fn joints(prior: &RotationPrior) -> Table {
-    let columns = vec![
-        Column::words("Joint"),
-        Column::numbers("Mean (°)"),
-        Column::numbers("Standard deviation (°)"),
-        Column::numbers("Correlation with the next joint"),
-    ];
-    let mut table = Table::new(
-        "Rotation in a bend to the right, of a joint that is straight on the erect film",
-        columns,
-    );
     let covariance = prior.covariance_rad2();
     let sd = |joint: usize| covariance[(joint, joint)].sqrt();
-    for (joint, [inferior, superior]) in prior.levels().joint_pairs().enumerate() {
-        let next = joint + 1;
-        let has_next = next < prior.mean().len();
-        let correlation = has_next.then(|| covariance[(joint, next)] / (sd(joint) * sd(next)));
-        table.row(vec![
-            format!("{inferior}/{superior}"),
-            fixed(prior.mean()[joint].deg(), 1),
-            fixed(Angle::from_rad(sd(joint)).deg(), 1),
-            correlation.map_or_else(none, |value| fixed(value, 2)),
-        ]);
-    }
-    table
+    let caption = "Rotation in a bend to the right, of a joint that is straight on the erect film";
+    Table::of(caption, prior.levels().joint_pairs().enumerate(), |add| {
+        add.words("Joint", |(_, [inferior, superior])| format!("{inferior}/{superior}"));
+        add.numbers("Mean (°)", |&(joint, _)| fixed(prior.mean()[joint].deg(), 1));
+        add.numbers("Standard deviation (°)", |&(joint, _)| {
+            fixed(Angle::from_rad(sd(joint)).deg(), 1)
+        });
+        add.numbers("Correlation with the next joint", |&(joint, _)| {
+            let next = joint + 1;
+            let has_next = next < prior.mean().len();
+            let correlation = has_next.then(|| covariance[(joint, next)] / (sd(joint) * sd(next)));
+            correlation.map_or_else(none, |value| fixed(value, 2))
+        });
+    })
 }
 
 fn errors(learned: &LearnedRotations) -> Table {

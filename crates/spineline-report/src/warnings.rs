@@ -6,7 +6,7 @@ use spineline::action::LineKind;
 use spineline::analysis::Analysis;
 use spineline::warning::counted;
 
-use crate::document::{Column, Notice, NoticeKind, Table};
+use crate::document::{Notice, NoticeKind, Table};
 
 /// Lines of text that a terminal shows; the others are counted in one more line.
 const MOST_LINES: usize = 9;
@@ -84,18 +84,12 @@ impl WarningCounts {
     /// One row per code.
     #[must_use]
     pub fn table(&self) -> Table {
-        let columns = vec![
-            Column::words("Severity"),
-            Column::words("Code"),
-            Column::numbers("Patients"),
-            Column::words("Example"),
-        ];
-        let mut table = Table::new("Contradictions, warnings and notes over patients", columns);
-        for ((kind, code), count) in &self.codes {
-            let (patients, example) = (count.patients.to_string(), count.example.text.clone());
-            table.row(vec![kind.word().to_owned(), (*code).to_owned(), patients, example]);
-        }
-        table
+        Table::of("Contradictions, warnings and notes over patients", &self.codes, |add| {
+            add.words("Severity", |((kind, _), _)| kind.word());
+            add.words("Code", |((_, code), _)| *code);
+            add.numbers("Patients", |(_, count)| count.patients.to_string());
+            add.words("Example", |(_, count)| count.example.text.clone());
+        })
     }
 }
 

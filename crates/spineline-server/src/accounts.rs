@@ -5,7 +5,7 @@ use spineline_store::{Account, AccountChange, Name, PasswordHash, Role, StoreErr
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::api::{AccountEdit, AccountView, Problem, Wire};
+use crate::api::{AccountEdit, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::state::AppState;
@@ -16,23 +16,22 @@ pub fn routes() -> OpenApiRouter<AppState> {
 }
 
 /// All accounts, by name.
-#[utoipa::path(get, path = "/api/accounts", responses((status = 200, body = Vec<AccountView>), Problem))]
-async fn accounts(State(state): State<AppState>, user: User) -> Answer<Json<Vec<AccountView>>> {
+#[utoipa::path(get, path = "/api/accounts", responses((status = 200, body = Vec<Account>), Problem))]
+async fn accounts(State(state): State<AppState>, user: User) -> Answer<Json<Vec<Account>>> {
     user.need(Role::Admin)?;
-    let accounts = state.store(|store| store.accounts()).await?;
-    Ok(Json(accounts.into_iter().map(view).collect()))
+    state.store(|store| store.accounts()).await.map(Json)
 }
 
 /// Makes an account, or changes one.
 #[utoipa::path(put, path = "/api/accounts/{name}", request_body = AccountEdit,
     params(("name" = String, Path)),
-    responses((status = 200, body = AccountView), Problem))]
+    responses((status = 200, body = Account), Problem))]
 async fn put_account(
     State(state): State<AppState>,
     user: User,
     Path(name): Path<String>,
     Json(edit): Json<AccountEdit>,
-) -> Answer<Json<AccountView>> {
+) -> Answer<Json<Account>> {
     user.need(Role::Admin)?;
     let name = Name::new(&name)?;
     let AccountEdit { role, password, enabled } = edit;
@@ -60,17 +59,9 @@ async fn put_account(
         })
         .await?;
     state.changes().rights_changed();
-    Ok(Json(view(account)))
+    Ok(Json(account))
 }
 
 fn lacks() -> Failure {
     Failure::refused("a new account needs a role and a password")
-}
-
-fn view(account: Account) -> AccountView {
-    AccountView {
-        name: account.name.to_string(),
-        role: Wire(account.role),
-        enabled: account.enabled,
-    }
 }

@@ -43,7 +43,7 @@ async fn search(
     user.need(Role::Editor)?;
     let archives = state.archives();
     let archive = archives.named(&asked.archive)?;
-    let search = Search::new(asked.key.into(), &asked.value)?;
+    let search = Search::new(asked.key, &asked.value)?;
     let search = match asked.day {
         Some(day) => search.on(&day)?,
         None => search,

@@ -10,7 +10,7 @@ use spineline_dicomweb::Archive;
 use spineline_store::{Access, Store, StoreError, Timestamp};
 use tokio::sync::Semaphore;
 
-use crate::api::ComputationName;
+use crate::api::Computation;
 use crate::archive_client::Archives;
 use crate::channel::Channel;
 use crate::film_cache::FilmCache;
@@ -70,7 +70,7 @@ struct Shared {
     overviews: OverviewCache,
     changes: Channel,
     results: ResultCache,
-    jobs: Jobs<ComputationName>,
+    jobs: Jobs<Computation>,
     pad_maps: Jobs<PadMapWork>,
     load_intervals: Jobs<LoadIntervalWork>,
 }
@@ -126,7 +126,7 @@ impl AppState {
     }
 
     /// Computations in the background.
-    pub(crate) fn jobs(&self) -> &Jobs<ComputationName> {
+    pub(crate) fn jobs(&self) -> &Jobs<Computation> {
         &self.shared.jobs
     }
 

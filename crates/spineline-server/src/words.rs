@@ -5,11 +5,20 @@ use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline::number::fixed;
 use spineline_store::CurrentCase;
 
-use crate::api::{SpacingPlaneName, Wire};
+use crate::api::{ReadingImage, Wire};
 
-/// The plane of lengths on a picture.
-pub fn plane_of(image: &ImageGeometry) -> SpacingPlaneName {
-    Wire(image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane))
+/// A film's picture with its texts.
+pub fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> ReadingImage {
+    ReadingImage {
+        columns: image.columns,
+        rows: image.rows,
+        pixel_aspect: pixel_aspect(image.spacing),
+        is_lateral,
+        patient_left: Wire(image.patient_left),
+        plane: Wire(image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane)),
+        spacing_text: spacing_text(image.spacing),
+        inverted,
+    }
 }
 
 /// Height of a pixel over its width, 1 where unknown.

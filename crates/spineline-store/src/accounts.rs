@@ -1,6 +1,8 @@
 //! Accounts, and permissions per study.
 
 use rusqlite::{Connection, Row, params};
+use serde::Serialize;
+use utoipa::ToSchema;
 
 use crate::audit::{self, Ledger, next_id};
 use crate::connection::Store;
@@ -9,6 +11,7 @@ use crate::films;
 use crate::names::{Name, Signature};
 use crate::password_hash::PasswordHash;
 use crate::sessions;
+use crate::wire::Wire;
 
 spineline::named! {
     /// Permissions in increasing order; each includes those before it.
@@ -22,12 +25,18 @@ spineline::named! {
     }
 }
 
+/// Highest permission of an account; a study may grant less.
+pub type RoleName = Wire<Role>;
+
 /// A local account.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = AccountView)]
 pub struct Account {
     /// Its name, which is also the observer's.
+    #[schema(value_type = String)]
     pub name: Name,
     /// Highest permission.
+    #[schema(value_type = RoleName)]
     pub role: Role,
     /// Whether it may sign in.
     pub enabled: bool,

@@ -6,8 +6,8 @@ use rusqlite::Connection;
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{FilmView, Posture, Side};
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFilm, Reading,
-    ReadingId as Reader, VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, LateralFilm, Reading, ReadingId as Reader,
+    VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Pixel};
 
@@ -72,29 +72,16 @@ fn lateral_film(
     record: &FilmRecord,
     readings: &[(&ReadingRecord, ReadingState)],
 ) -> Result<LateralFilm, StoreError> {
-    let image = record.geometry()?;
     let readings = readings.iter().map(|(reading, state)| Reading {
         id: reader(reading),
         vertebrae: state
             .vertebrae
             .iter()
-            .filter_map(|(&level, v)| {
-                let seen = placed(v, record.view)?;
-                let corners = LateralCorners {
-                    superior_anterior: seen.superior_left,
-                    superior_posterior: seen.superior_right,
-                    inferior_anterior: seen.inferior_left,
-                    inferior_posterior: seen.inferior_right,
-                };
-                Some((level, corners))
-            })
+            .filter_map(|(&level, v)| Some((level, placed(v, record.view)?)))
             .collect(),
     });
     Ok(LateralFilm {
-        columns: image.columns,
-        rows: image.rows,
-        spacing: image.spacing,
-        patient_anterior: image.patient_left,
+        image: record.geometry()?,
         simultaneous: record.stated.simultaneous,
         readings: readings.collect(),
     })

@@ -6,8 +6,7 @@ use serde_json::Value;
 use spineline::analysis::{Subject, check_repeated};
 use spineline::anatomy::{FilmView, Level, Posture, Side};
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFilm, Origin, Reading,
-    VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, LateralFilm, Origin, Reading, VertebraLandmarks,
 };
 use spineline::spatial::Pixel;
 use spineline_files::FileError;
@@ -49,29 +48,20 @@ struct CaseReading {
 }
 
 /// Parts of a case that a store does not hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CaseRemark {
     /// The lateral film and its landmarks, where the case names no picture of it.
+    #[error(
+        "the case names no picture of the lateral film, so the study store does not hold its landmarks: keep the case file"
+    )]
     Lateral,
     /// Sex, age and Lenke class.
+    #[error("the study store does not hold sex, age and Lenke class: keep the case file")]
     Subject,
     /// Confidences of landmarks that a program found.
+    #[error("the study store does not hold the confidences of landmarks: keep the case file")]
     Confidences,
-}
-
-impl fmt::Display for CaseRemark {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Lateral => {
-                "the case names no picture of the lateral film, so the study store does not hold its landmarks: keep the case file"
-            }
-            Self::Confidences => {
-                "the study store does not hold the confidences of landmarks: keep the case file"
-            }
-            Self::Subject => "the study store does not hold sex, age and Lenke class: keep the case file",
-        })
-    }
 }
 
 /// Why a case cannot be imported. `E` is the error of reading a film's file.
@@ -353,15 +343,10 @@ impl CaseReading {
         Ok(Self { observer, repeat, events })
     }
 
-    fn of_lateral(reading: &Reading<LateralCorners>) -> Result<Self, StoreError> {
-        let placed = |(&level, corners): (&Level, &LateralCorners)| {
-            let places = [
-                (Corner::SuperiorAnterior, corners.superior_anterior),
-                (Corner::SuperiorPosterior, corners.superior_posterior),
-                (Corner::InferiorAnterior, corners.inferior_anterior),
-                (Corner::InferiorPosterior, corners.inferior_posterior),
-            ];
-            places.map(|(corner, Pixel { column_px, row_px })| Event::PlaceCorner {
+    fn of_lateral(reading: &Reading<Corners<Pixel>>) -> Result<Self, StoreError> {
+        let placed = |(&level, corners): (&Level, &Corners<Pixel>)| {
+            let named = Corner::LATERAL.points().into_iter().zip(corners.points());
+            named.map(move |(corner, Pixel { column_px, row_px })| Event::PlaceCorner {
                 level,
                 corner,
                 column_px,

@@ -28,15 +28,17 @@ pub struct ExportedCase {
 }
 
 /// A part of the study that is not in its case file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportRemark {
     /// A reading that is not finished.
+    #[error("{reading} is not finished; it is not in the case")]
     Unfinished {
         /// Reading.
         reading: ReadingId,
     },
     /// A withdrawn reading, or one that a correction replaces.
+    #[error("{reading} was {}; it is not in the case", withdrawn_words(withdrawal))]
     Withdrawn {
         /// Reading.
         reading: ReadingId,
@@ -44,41 +46,23 @@ pub enum ExportRemark {
         withdrawal: Withdrawal,
     },
     /// A scale measured on the film; the case has the spacing of the image.
+    #[error("{reading} holds a scale measured on the film; the case has the spacing of the image")]
     ScaleLeftOut {
         /// Reading.
         reading: ReadingId,
     },
     /// A reading with one iliac crest only.
+    #[error("{reading} has only one iliac crest; it is not in the case")]
     OneCrest {
         /// Reading.
         reading: ReadingId,
     },
 }
 
-impl std::fmt::Display for ExportRemark {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Unfinished { reading } => {
-                write!(f, "{reading} is not finished; it is not in the case")
-            }
-            Self::Withdrawn { reading, withdrawal: Withdrawal { who, at, cause } } => match cause {
-                WithdrawalCause::Reason(reason) => write!(
-                    f,
-                    "{reading} was withdrawn by {who} at {at} ({reason}); it is not in the case"
-                ),
-                WithdrawalCause::CorrectedBy(correction) => write!(
-                    f,
-                    "{reading} was corrected by {who} at {at} ({correction}); it is not in the case"
-                ),
-            },
-            Self::ScaleLeftOut { reading } => write!(
-                f,
-                "{reading} holds a scale measured on the film; the case has the spacing of the image"
-            ),
-            Self::OneCrest { reading } => {
-                write!(f, "{reading} has only one iliac crest; it is not in the case")
-            }
-        }
+fn withdrawn_words(Withdrawal { who, at, cause }: &Withdrawal) -> String {
+    match cause {
+        WithdrawalCause::Reason(reason) => format!("withdrawn by {who} at {at} ({reason})"),
+        WithdrawalCause::CorrectedBy(reading) => format!("corrected by {who} at {at} ({reading})"),
     }
 }
 

@@ -53,6 +53,7 @@ mod part;
 mod password_hash;
 mod passwords;
 mod plan;
+mod plan_design;
 mod privacy;
 mod readings;
 mod restore;
@@ -76,7 +77,7 @@ mod restore_killed;
 #[path = "../tests/it/session.rs"]
 mod session;
 
-pub use accounts::{Account, AccountChange, Role, StudyGrant};
+pub use accounts::{Account, AccountChange, Role, RoleName, StudyGrant};
 pub use audit::{AuditEntry, Head};
 pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use computations::KeptComputation;
@@ -93,7 +94,8 @@ pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use options::StudyOptions;
 pub use password_hash::PasswordHash;
 pub use passwords::Credential;
-pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OpenPlan, PlanDesign, system_random};
+pub use plan::{BlindFilm, FilmCode, Next, ObserverView, system_random};
+pub use plan_design::{OpenPlan, PlanDesign};
 pub use privacy::wider_permissions;
 pub use readings::ReadingRecord;
 pub use restore::Restoration;

@@ -4,11 +4,12 @@ use std::fmt;
 use std::time::SystemTime;
 
 use chrono::{DateTime, Days, NaiveTime, SecondsFormat, SubsecRound, Utc};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 use spineline::measure::is_observer_code;
 
 /// The identifier of a study or of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`, without any patient's name.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Name(String);
 
 impl Name {

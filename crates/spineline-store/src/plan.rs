@@ -10,6 +10,7 @@ use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films;
 use crate::names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
+use crate::plan_design::{OpenPlan, PlanDesign};
 use crate::readings::{self, ReadingRecord};
 
 /// Action of the log entry that ends the washout of readings dated by a clock that was ahead.
@@ -17,18 +18,6 @@ pub(crate) const RELEASE: &str = "release";
 
 /// Maximum number of readings in one plan.
 const MAX_SLOTS: usize = 100_000;
-
-/// Number, interval and order of readings.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct PlanDesign {
-    /// Readings per film and observer.
-    pub repeats: u32,
-    /// Days of 24 hours between two readings of a film by one observer.
-    pub washout_days: u32,
-    /// Whether readers see vertebrae that the program proposes, and may accept them. Readers who accept share its model, so
-    /// they agree better than readers who click.
-    pub proposals: bool,
-}
 
 /// Fills bytes with random numbers of the operating system: the source of codes and of secrets outside of tests.
 ///
@@ -89,17 +78,6 @@ pub(crate) struct Plan {
     pub id: i64,
     design: PlanDesign,
     secret: String,
-}
-
-/// A plan without readings yet: it can be changed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OpenPlan {
-    /// Its number, for [`Store::change_plan`].
-    pub id: i64,
-    /// Its observers.
-    pub observers: Vec<Name>,
-    /// Number, interval and order of its readings.
-    pub design: PlanDesign,
 }
 
 pub(crate) fn plan_of(connection: &Connection, study: &Name) -> Result<Option<Plan>, StoreError> {

@@ -1,7 +1,9 @@
 //! Changes of a study's record.
 
 use rusqlite::params;
-use serde_json::Value;
+use serde::{Deserialize, Serialize};
+use spineline_files::to_line;
+use utoipa::ToSchema;
 
 use crate::conflicts::{Acknowledged, LostChange, keep_lost, lost_changes};
 use crate::connection::Store;
@@ -10,28 +12,29 @@ use crate::films;
 use crate::names::{Name, Signature};
 
 /// A change of a study's record.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[schema(as = StudyEditName)]
 pub enum StudyEdit {
-    /// Give it another label, or none. The identifier stays: the log and the files of the films have it.
-    Label(Option<String>),
+    /// Give it another label. The identifier stays: the log and the files of the films have it.
+    Label {
+        /// The label; null for none.
+        label: Option<String>,
+    },
     /// Archive it, or restore it.
-    Archived(bool),
+    Archived {
+        /// Whether it is archived.
+        archived: bool,
+    },
 }
 
 impl StudyEdit {
-    fn json(&self) -> Value {
-        match self {
-            Self::Label(label) => serde_json::json!({ "label": label }),
-            Self::Archived(archived) => serde_json::json!({ "archived": archived }),
-        }
-    }
-
     /// Its action in the log.
     fn action(&self) -> &'static str {
         match self {
-            Self::Label(_) => "rename",
-            Self::Archived(true) => "archive",
-            Self::Archived(false) => "unarchive",
+            Self::Label { .. } => "rename",
+            Self::Archived { archived: true } => "archive",
+            Self::Archived { archived: false } => "unarchive",
         }
     }
 }
@@ -52,17 +55,17 @@ impl Store {
         self.write(by, |ledger| {
             let mut now = films::study(ledger.transaction, study)?;
             if now.revision != expected_revision {
-                let (object, change) = (format!("study/{study}"), [edit.json().to_string()]);
+                let (object, change) = (format!("study/{study}"), [to_line(edit)]);
                 return keep_lost(ledger, object, expected_revision, now.revision, &change)
                     .map(Err);
             }
             match edit {
-                StudyEdit::Label(label) => {
+                StudyEdit::Label { label } => {
                     films::open_study(ledger.transaction, study)?;
                     films::check_label(label.as_deref())?;
                     now.label.clone_from(label);
                 }
-                StudyEdit::Archived(archived) => now.archived = *archived,
+                StudyEdit::Archived { archived } => now.archived = *archived,
             }
             ledger.transaction.execute(
                 "UPDATE studies SET label = ?1, archived = ?2, revision = revision + 1 WHERE id = ?3",

@@ -10,40 +10,47 @@ use crate::names::Hash;
 use crate::schema;
 
 /// A detected change or damage. It never quotes stored values.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Finding {
     /// SQLite's own check of pages, indices and constraints.
+    #[error("the file itself is damaged: {message}")]
     Integrity {
         /// SQLite's message, which names tables and pages.
         message: String,
     },
     /// A reference to a missing row.
+    #[error("a row of `{table}` refers to a missing row")]
     ForeignKey {
         /// Table of the reference.
         table: String,
     },
     /// A part that cannot be read at all.
+    #[error("{part} cannot be read")]
     Unreadable {
         /// Which part.
         part: &'static str,
     },
     /// A table, index or trigger that is not the one of this schema.
+    #[error("the definition of {name} differs from the schema")]
     Definition {
         /// Kind and name.
         name: String,
     },
     /// A missing entry of the log.
+    #[error("entry {sequence} of the log is missing")]
     EntryMissing {
         /// Its sequence number.
         sequence: i64,
     },
     /// An entry whose hash does not match it and the entry before: edited, swapped or moved.
+    #[error("entry {sequence} of the log was edited, exchanged or moved")]
     EntryChanged {
         /// Its sequence number.
         sequence: i64,
     },
     /// The log is shorter than it was, or longer than it may be.
+    #[error("the number of log entries is {found} instead of {expected}")]
     Length {
         /// Expected number of entries.
         expected: u64,
@@ -51,72 +58,43 @@ pub enum Finding {
         found: u64,
     },
     /// The end of the log differs from its head.
+    #[error("the end of the log differs from its head")]
     HeadChanged,
     /// The log does not contain the external head: it was rewritten.
+    #[error("the log does not contain the given head: the log was rewritten")]
     Rewritten,
     /// The log lacks the last change that was acknowledged: it was lost, or an earlier copy is in the store's place.
+    #[error(
+        "the store went back: its log does not contain entry {acknowledged}, which was acknowledged (see the file beside it that ends in `-head`)"
+    )]
     WentBack {
         /// Number of entries up to that change.
         acknowledged: u64,
     },
     /// A row of the log is missing.
+    #[error("{object} is missing")]
     RowMissing {
         /// Such as `event/17`.
         object: String,
     },
     /// A row differs from its last entry.
+    #[error("{object} differs from its entry in the log")]
     RowChanged {
         /// Such as `event/17`.
         object: String,
     },
     /// A row without an entry.
+    #[error("{object} is in no entry of the log")]
     RowUnknown {
         /// Such as `event/17`.
         object: String,
     },
     /// The bytes of a film do not match its hash.
+    #[error("the bytes of a film do not match its hash {content}")]
     ContentChanged {
         /// The hash.
         content: Hash,
     },
-}
-
-impl std::fmt::Display for Finding {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Integrity { message } => write!(f, "the file itself is damaged: {message}"),
-            Self::ForeignKey { table } => {
-                write!(f, "a row of `{table}` refers to a missing row")
-            }
-            Self::Unreadable { part } => write!(f, "{part} cannot be read"),
-            Self::Definition { name } => {
-                write!(f, "the definition of {name} differs from the schema")
-            }
-            Self::EntryMissing { sequence } => write!(f, "entry {sequence} of the log is missing"),
-            Self::EntryChanged { sequence } => {
-                write!(f, "entry {sequence} of the log was edited, exchanged or moved")
-            }
-            Self::Length { expected, found } => {
-                write!(f, "the number of log entries is {found} instead of {expected}")
-            }
-            Self::HeadChanged => f.write_str("the end of the log differs from its head"),
-            Self::Rewritten => {
-                f.write_str("the log does not contain the given head: the log was rewritten")
-            }
-            Self::WentBack { acknowledged } => write!(
-                f,
-                "the store went back: its log does not contain entry {acknowledged}, which was acknowledged (see the file beside it that ends in `-head`)"
-            ),
-            Self::RowMissing { object } => write!(f, "{object} is missing"),
-            Self::RowChanged { object } => {
-                write!(f, "{object} differs from its entry in the log")
-            }
-            Self::RowUnknown { object } => write!(f, "{object} is in no entry of the log"),
-            Self::ContentChanged { content } => {
-                write!(f, "the bytes of a film do not match its hash {content}")
-            }
-        }
-    }
 }
 
 /// Result of a verification.

@@ -41,44 +41,42 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns_of_curves(add: &mut Columns<'_, ClinicalRow<'_>>) {
-    add.text("posture", "film", |row| row.item.posture.key());
-    add.text("region", "region of the spine", |row| row.item.curve.region.key());
+    add.text("posture", "film", |row| row.posture.key());
+    add.text("region", "region of the spine", |row| row.curve.region.key());
     add.text("lower_end", "lower end vertebra, chosen on the erect film", |row| {
-        row.item.curve.ends.inferior.to_string()
+        row.curve.ends.inferior.to_string()
     });
     add.text("upper_end", "upper end vertebra, chosen on the erect film", |row| {
-        row.item.curve.ends.superior.to_string()
+        row.curve.ends.superior.to_string()
     });
-    add.text("apex", "vertebra at the apex of the erect curve", |row| {
-        row.item.curve.apex.to_string()
-    });
+    add.text("apex", "vertebra at the apex of the erect curve", |row| row.curve.apex.to_string());
     add.text("convex", "the patient's side to which the erect curve is convex", |row| {
-        row.item.curve.convex.map(|side| side.to_string())
+        row.curve.convex.map(|side| side.to_string())
     });
     add.number(
         "cobb",
         Unit::Degrees,
         "Cobb angle between endplates; positive where convex to the patient's left; empty where no corners are known",
-        |row| row.item.curve.cobb_in(row.item.posture).map(Angle::deg),
+        |row| row.curve.cobb_in(row.posture).map(Angle::deg),
     );
     add.number(
         "tilt_range",
         Unit::Degrees,
         "tilt of the upper minus tilt of the lower end vertebra; positive where convex to the patient's left",
-        |row| Some(row.item.curve.angles_in(row.item.posture)?.tilt_range.deg()),
+        |row| Some(row.curve.angles_in(row.posture)?.tilt_range.deg()),
     );
     add.number(
         "ferguson",
         Unit::Degrees,
         "Ferguson angle; positive where convex to the patient's left",
-        |row| row.item.angle(&row.item.curve.ferguson),
+        |row| row.angle(&row.curve.ferguson),
     );
     add.number(
         "apical_translation",
         Unit::Millimetres,
         "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film",
         |row| {
-                let region = row.item.erect()?.region;
+                let region = row.erect()?.region;
                 let balance = row.analysis.movement.balance.as_ref()?;
                 row.analysis.movement.scale().mm(balance.apical_translation_mm[region.index()])
             },
@@ -87,6 +85,6 @@ fn columns_of_curves(add: &mut Columns<'_, ClinicalRow<'_>>) {
         "flexibility",
         Unit::One,
         "share of the erect Cobb angle (tilt range without corners) that the bend to the convex side corrects; only in the row of the erect film",
-        |row| row.item.erect()?.flexibility,
+        |row| row.erect()?.flexibility,
     );
 }

@@ -5,7 +5,7 @@ use spineline::cohort::{
     BaselineTest, Cohort, ComparisonOutcome, ErrorKind, LinePairTest, PairedComparison,
 };
 
-use crate::define::{Columns, Unit, table};
+use crate::define::{Columns, ENDS_95, Unit, table};
 use crate::table::Table;
 
 /// A test of one prediction against another, and whether its patients are synthetic.
@@ -109,43 +109,30 @@ fn compared(add: &mut Columns<'_, Test<'_>>) {
             ErrorKind::Ferguson => "deg",
         }
     });
-    add.count("patients", "number of patients", |row| row.comparison.patients() as i64);
-    add.count("films_compared", "films on which both have a result", |row| row.films as i64);
+    add.count("patients", "number of patients", |row| row.comparison.patients());
+    add.count("films_compared", "films on which both have a result", |row| row.films);
     add.count(
         "films_not_compared",
         "films on which one of two lines lacks a result; empty beside predictions without mechanics",
-        |row| row.films_not_compared.map(|films| films as i64),
+        |row| row.films_not_compared,
     );
 }
 
 fn difference(add: &mut Columns<'_, Test<'_>>) {
-    let of_mean = |row: &Test<'_>, end: usize| row.comparison.bootstrap.map(|ends| ends[end]);
-    let of_effect =
-        |row: &Test<'_>, end: usize| row.comparison.effect.map(|effect| effect.interval[end]);
     add.number(
         "mean_difference",
         Unit::Stated,
         "mean over patients of the first line's error minus the second's",
         |row| row.comparison.mean_difference,
     );
-    add.number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
-        of_mean(row, 0)
-    });
-    add.number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
-        of_mean(row, 1)
-    });
+    add.interval("interval_95", Unit::Stated, ENDS_95, |row| row.comparison.bootstrap);
     add.number(
         "effect_d",
         Unit::One,
         "effect size: the mean difference over the standard deviation of the patients' differences",
         |row| row.comparison.effect.map(|effect| effect.d),
     );
-    add.number("effect_95_low", Unit::One, "lower end of its 95 % interval", |row| {
-        of_effect(row, 0)
-    });
-    add.number("effect_95_high", Unit::One, "upper end of its 95 % interval", |row| {
-        of_effect(row, 1)
-    });
+    add.interval("effect_95", Unit::One, ENDS_95, |row| Some(row.comparison.effect?.interval));
 }
 
 fn probabilities(add: &mut Columns<'_, Test<'_>>) {

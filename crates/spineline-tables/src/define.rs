@@ -1,5 +1,7 @@
 //! One definition per table names, explains and fills every column, so that the dictionary always agrees with the tables.
 
+use std::ops::Deref;
+
 use spineline::analysis::Analysis;
 
 use crate::Patient;
@@ -114,14 +116,31 @@ impl<R> Columns<'_, R> {
         self.add(format!("{name}{}", unit.suffix()), unit.words(), meaning, values)
     }
 
+    /// The two ends of an interval.
+    pub fn interval<T: Copy + Into<Option<f64>>>(
+        &mut self,
+        name: &str,
+        unit: Unit,
+        [low, high]: [&'static str; 2],
+        ends: impl Fn(&R) -> Option<[T; 2]>,
+    ) {
+        self.number(&format!("{name}_low"), unit, low, |row| -> Option<f64> {
+            ends(row)?[0].into()
+        });
+        self.number(&format!("{name}_high"), unit, high, |row| -> Option<f64> {
+            ends(row)?[1].into()
+        });
+    }
+
     /// A count.
-    pub fn count<T: Into<Option<i64>>>(
+    pub fn count<T: Into<Option<usize>>>(
         &mut self,
         name: &str,
         meaning: &'static str,
         cell: impl Fn(&R) -> T,
     ) {
-        let values = self.rows.iter().map(|row| cell(row).into()).collect();
+        let values =
+            self.rows.iter().map(|row| cell(row).into().map(|count| count as i64)).collect();
         self.add(name.to_owned(), "1", meaning, Values::Count(values));
     }
 
@@ -143,6 +162,10 @@ impl<R> Columns<'_, R> {
     }
 }
 
+/// Meanings of the ends of a 95 % interval.
+pub(crate) const ENDS_95: [&str; 2] =
+    ["lower end of its 95 % interval", "upper end of its 95 % interval"];
+
 /// Meaning of the columns `lengths`.
 pub(crate) const LENGTHS: &str = "plane of the lengths of this film: `patient`, `detector`, `unknown`, or `pixels` without a spacing";
 
@@ -150,6 +173,14 @@ pub(crate) const LENGTHS: &str = "plane of the lengths of this film: `patient`, 
 pub(crate) struct Row<'a, T> {
     pub analysis: &'a Analysis,
     pub item: T,
+}
+
+impl<T> Deref for Row<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.item
+    }
 }
 
 /// Rows of patients, in their order.

@@ -50,38 +50,38 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns_of_joints(add: &mut Columns<'_, JointRow<'_>>) {
-    add.text("posture", "film", |row| row.item.posture.outline.posture.key());
+    add.text("posture", "film", |row| row.posture.outline.posture.key());
     add.text("line", "line of action of the model", |row| {
-        row.item.simulated.map(|(kind, _)| kind.key())
+        row.simulated.map(|(kind, _)| kind.key())
     });
-    add.text("inferior", "lower vertebra", |row| row.item.inferior.to_string());
-    add.text("superior", "upper vertebra", |row| row.item.superior.to_string());
+    add.text("inferior", "lower vertebra", |row| row.inferior.to_string());
+    add.text("superior", "upper vertebra", |row| row.superior.to_string());
     add.number(
         "rotation",
         Unit::Degrees,
         "measured change of the tilt of the upper vertebra relative to the lower one from the erect film; positive to the patient's right",
-        |row| row.item.evidence.rotation.deg(),
+        |row| row.evidence.rotation.deg(),
     );
     add.truth(
         "contradicted",
         "whether the joint turns against the moment of the force (counter-rotating joint): no positive stiffness explains it",
-        |row| row.item.simulated.map(|_| row.item.contradicted().is_some()),
+        |row| row.simulated.map(|_| row.contradicted().is_some()),
     );
     add.number(
         "lever_arm",
         Unit::Millimetres,
         "lever arm of the force about a counter-rotating joint",
-        |row| row.item.contradicted().map(|joint| joint.lever_arm_mm),
+        |row| row.contradicted().map(|joint| joint.lever_arm_mm),
     );
     add.number(
         "work_against",
         Unit::One,
         "share of a counter-rotating joint in the work of all joints",
-        |row| row.item.contradicted().map(|joint| joint.weight),
+        |row| row.contradicted().map(|joint| joint.weight),
     );
     add.truth(
         "beyond_noise",
         "whether the rotation of a counter-rotating joint exceeds two standard deviations",
-        |row| row.item.contradicted().map(|joint| joint.beyond_noise),
+        |row| row.contradicted().map(|joint| joint.beyond_noise),
     );
 }

@@ -84,19 +84,19 @@ fn numbers(add: &mut Columns<'_, Number<'_>>) {
     add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
         Some(row.spread?.spread?.sd)
     });
-    add.number(
-        "interval_95_low",
+    add.interval(
+        "interval_95",
         Unit::Stated,
-        "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model",
-        |row| Some(row.spread?.interval_95()?[0]),
+        [
+            "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model",
+            "97.5 % quantile, likewise",
+        ],
+        |row| row.spread?.interval_95(),
     );
-    add.number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
-        Some(row.spread?.interval_95()?[1])
-    });
     add.count("replicates", "number of replicates with a value", |row| {
-        Some(row.spread?.count as i64)
+        Some(row.spread?.count as usize)
     });
     add.count("replicates_done", "number of replicates; the others have no result", |row| {
-        Some(row.spine.uncertainty?.done as i64)
+        Some(row.spine.uncertainty?.done as usize)
     });
 }

@@ -8,7 +8,7 @@ use spineline::personalize::{
 };
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed, rows};
+use crate::define::{Columns, ENDS_95, Row, Unit, keyed, rows};
 use crate::table::Table;
 
 type ModelRow<'a> = Row<'a, &'a LineModel>;
@@ -24,18 +24,16 @@ pub(crate) fn models(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
-    add.text("line", "line of action that the stiffness was fitted with", |row| {
-        row.item.kind.key()
-    });
+    add.text("line", "line of action that the stiffness was fitted with", |row| row.kind.key());
     add.text("fit_status", "`converged`, `iteration_limit` or `not_evaluable`", |row| {
-        row.item.fit.status.key()
+        row.fit.status.key()
     });
-    add.count("iterations", "iterations of the fit", |row| i64::from(row.item.fit.iterations));
+    add.count("iterations", "iterations of the fit", |row| row.fit.iterations as usize);
     add.number(
         "residual_rms",
         Unit::One,
         "root mean square residual: degrees of Ferguson angles, or standard deviations of a shape (see `fit` in patients)",
-        |row| row.item.fit.residual_rms,
+        |row| row.fit.residual_rms,
     );
     add.truth(
         "absolute",
@@ -46,19 +44,19 @@ fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
         "absolute_scale",
         Unit::One,
         "factor on springs about all axes; 1 unless a force is known",
-        |row| row.item.fit.absolute_scale,
+        |row| row.fit.absolute_scale,
     );
     add.number(
         "mean_location_error_fitted",
         Unit::Millimetres,
         "mean location error over the fitted films",
-        |row| row.item.mean_location_error_mm(true),
+        |row| row.mean_location_error_mm(true),
     );
     add.number(
         "mean_location_error_held_out",
         Unit::Millimetres,
         "mean location error over the held-out films",
-        |row| row.item.mean_location_error_mm(false),
+        |row| row.mean_location_error_mm(false),
     );
 }
 
@@ -87,80 +85,64 @@ pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
     keyed("multipliers", row, &rows, columns_of_multipliers)
 }
 
-fn end(end: ProfileEnd) -> Option<f64> {
-    match end {
-        ProfileEnd::At(log) => Some(log.exp()),
-        ProfileEnd::Open | ProfileEnd::Lost(_) => None,
-    }
-}
-
-fn interval_end(row: &MultiplierRow<'_>, which: usize) -> Option<f64> {
-    end(row.item.found?.interval_95()?[which])
-}
-
 fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
-    add.text("line", "line of action of the model", |row| row.item.model.kind.key());
-    add.text("joints", "region, or joint", |row| {
-        row.item.model.groups.names()[row.item.group].clone()
-    });
+    add.text("line", "line of action of the model", |row| row.model.kind.key());
+    add.text("joints", "region, or joint", |row| row.model.groups.names()[row.group].clone());
     add.number(
         "multiplier",
         Unit::One,
         "multiplier of the lateral springs; under `geometric_mean` only ratios are identified",
-        |row| row.item.model.multipliers().nth(row.item.group),
+        |row| row.model.multipliers().nth(row.group),
     );
     add.truth("at_bound", "whether it reached a limit and is therefore not identified", |row| {
-        row.item.model.fit.bounds[row.item.group] != StiffnessBound::Inside
+        row.model.fit.bounds[row.group] != StiffnessBound::Inside
     });
     add.text(
         "verdict",
         "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified`, `disputed` (the multiplier differs from `mean_of_joints` by more than a factor of 1.5, and lies outside of its interval) or `unknown`; empty where not requested",
-        |row| row.item.found.map(|found| found.verdict().key()),
+        |row| row.found.map(|found| found.verdict().key()),
     );
     add.number(
         "mean_of_joints",
         Unit::One,
         "geometric mean of its joints' stiffness over the table's, by the mixed model; empty where not requested or not determined",
-        |row| Some(row.item.found?.stiffness?.log_mean.exp()),
+        |row| Some(row.found?.stiffness?.log_mean.exp()),
     );
-    add.number(
-        "interval_95_low",
+    add.interval(
+        "interval_95",
         Unit::One,
-        "lower end of the 95 % interval of `mean_of_joints`; empty where the films set no lower limit",
-        |row| interval_end(row, 0),
-    );
-    add.number(
-        "interval_95_high",
-        Unit::One,
-        "upper end of the 95 % interval of `mean_of_joints`; empty where the films set no upper limit",
-        |row| interval_end(row, 1),
+        [
+            "lower end of the 95 % interval of `mean_of_joints`; empty where the films set no lower limit",
+            "upper end of the 95 % interval of `mean_of_joints`; empty where the films set no upper limit",
+        ],
+        |row| Some(row.found?.interval_95()?.map(ProfileEnd::multiplier)),
     );
     add.text("interval_coverage", STIFFNESS_COVERAGE, |row| {
-        row.item.found.map(|_| STIFFNESS_COVERAGE.to_owned())
+        row.found.map(|_| STIFFNESS_COVERAGE.to_owned())
     });
-    add.number(
-        "interval_95_if_exact_low",
+    add.interval(
+        "interval_95_if_exact",
         Unit::One,
-        "lower end of its 95 % interval if the model is exact; empty where the films set no lower limit",
-        |row| row.item.found.and_then(|found| end(found.profile.lower)),
-    );
-    add.number(
-        "interval_95_if_exact_high",
-        Unit::One,
-        "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit",
-        |row| row.item.found.and_then(|found| end(found.profile.upper)),
+        [
+            "lower end of its 95 % interval if the model is exact; empty where the films set no lower limit",
+            "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit",
+        ],
+        |row| {
+            let profile = &row.found?.profile;
+            Some([profile.lower, profile.upper].map(ProfileEnd::multiplier))
+        },
     );
     add.text("interval_if_exact_coverage", MULTIPLIER_COVERAGE, |row| {
-        row.item.found.map(|_| MULTIPLIER_COVERAGE.to_owned())
+        row.found.map(|_| MULTIPLIER_COVERAGE.to_owned())
     });
     add.number(
         "log_sd",
         Unit::One,
         "standard deviation of its logarithm from the films alone",
-        |row| row.item.found.map(|found| found.log_sd),
+        |row| row.found.map(|found| found.log_sd),
     );
     add.number("log_sd_with_prior", Unit::One, "the same with the prior", |row| {
-        row.item.found.and_then(|found| found.log_sd_with_prior)
+        row.found.and_then(|found| found.log_sd_with_prior)
     });
 }
 
@@ -196,27 +178,26 @@ fn newton_metres(nmm_per_rad: [f64; 3], axis: usize) -> Option<f64> {
 
 /// A personalised spring in N·m/rad, where a force was measured.
 fn absolute_spring(row: &SpringsRow<'_>, axis: usize) -> Option<f64> {
-    let found = &row.item;
-    absolute(row.analysis, found.model)
-        .then(|| newton_metres(found.personal_nmm_per_rad, axis))
+    absolute(row.analysis, row.model)
+        .then(|| newton_metres(row.personal_nmm_per_rad, axis))
         .flatten()
 }
 
 fn columns_of_springs(add: &mut Columns<'_, SpringsRow<'_>>) {
-    add.text("line", "line of action of the model", |row| row.item.model.kind.key());
-    add.text("inferior", "lower vertebra", |row| row.item.nominal.inferior.to_string());
-    add.text("superior", "upper vertebra", |row| row.item.nominal.superior.to_string());
+    add.text("line", "line of action of the model", |row| row.model.kind.key());
+    add.text("inferior", "lower vertebra", |row| row.nominal.inferior.to_string());
+    add.text("superior", "upper vertebra", |row| row.nominal.superior.to_string());
     add.number(
         "nominal_lateral",
         Unit::NewtonMetresPerRadian,
         "lateral stiffness before personalisation",
-        |row| newton_metres(row.item.nominal.nmm_per_rad, 0),
+        |row| newton_metres(row.nominal.nmm_per_rad, 0),
     );
     add.number(
         "lateral_relative",
         Unit::One,
         "personalised lateral stiffness relative to the nominal one; without a known force only ratios between joints are identified",
-        |row| row.item.personal_nmm_per_rad[0] / row.item.nominal.nmm_per_rad[0],
+        |row| row.personal_nmm_per_rad[0] / row.nominal.nmm_per_rad[0],
     );
     add.number(
         "lateral",
@@ -236,7 +217,7 @@ fn columns_of_springs(add: &mut Columns<'_, SpringsRow<'_>>) {
         "personalised stiffness about the axial hinge, likewise",
         |row| absolute_spring(row, 2),
     );
-    add.text("source", "source of the nominal values", |row| row.item.nominal.source.clone());
+    add.text("source", "source of the nominal values", |row| row.nominal.source.clone());
 }
 
 /// A line of action on a film.
@@ -262,70 +243,61 @@ pub(crate) fn lines(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
-    add.text("posture", "film", |row| row.item.simulation.shape.posture.key());
-    add.text("line", "line of action", |row| row.item.model.kind.key());
+    add.text("posture", "film", |row| row.simulation.shape.posture.key());
+    add.text("line", "line of action", |row| row.model.kind.key());
     add.truth(
         "fitted",
         "whether the stiffness was fitted to this film; else the film was held out",
-        |row| row.item.simulation.fitted,
+        |row| row.simulation.fitted,
     );
     add.text(
         "status",
         "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
-        |row| row.item.simulation.status.key(),
+        |row| row.simulation.status.key(),
     );
     add.number(
         "point_y",
         Unit::Millimetres,
         "lateral coordinate of a point of the line, positive to the patient's left",
-        |row| row.item.simulation.line.point.y_mm,
+        |row| row.simulation.line.point.y_mm,
     );
-    add.number("point_z", Unit::Millimetres, "its height", |row| {
-        row.item.simulation.line.point.z_mm
-    });
+    add.number("point_z", Unit::Millimetres, "its height", |row| row.simulation.line.point.z_mm);
     add.number(
         "lean",
         Unit::Degrees,
         "lateral tilt of the line; positive to the patient's right",
-        |row| row.item.simulation.line.lateral_tilt().deg(),
+        |row| row.simulation.line.lateral_tilt().deg(),
     );
     add.text("application", "`fixed` in space, or `at_t2`", |row| {
-        row.item.simulation.line.application.key()
+        row.simulation.line.application.key()
     });
-    add.number("force", Unit::Force, "signed force along the line", |row| {
-        row.item.simulation.force_n
-    });
+    add.number("force", Unit::Force, "signed force along the line", |row| row.simulation.force_n);
     add.truth("absolute", "whether the force is in newtons; else it is relative", |row| {
-        absolute(row.analysis, row.item.model)
+        absolute(row.analysis, row.model)
     });
     add.text(
         "choice",
         "rule by which this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2` or `nearest_miss`",
-        |row| row.item.simulation.choice.key(),
+        |row| row.simulation.choice.key(),
     );
     add.count("alternatives", "number of other forces that reach the same amplitude", |row| {
-        row.item.simulation.alternatives.len() as i64
+        row.simulation.alternatives.len()
     });
     add.number(
         "film_scale",
         Unit::One,
         "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one",
-        |row| row.item.simulation.shape.scale.factor,
+        |row| row.simulation.shape.scale.factor,
     );
-    add.number(
-        "film_scale_95_low",
+    add.interval(
+        "film_scale_95",
         Unit::One,
-        "lower end of its 95 % interval; empty where it is fixed",
-        |row| scale_end(row, 0),
+        ["lower end of its 95 % interval; empty where it is fixed", ENDS_95[1]],
+        |row| {
+            let scale = row.simulation.shape.scale;
+            (scale.log_sd > 0.0).then(|| scale.interval_95())
+        },
     );
-    add.number("film_scale_95_high", Unit::One, "upper end of its 95 % interval", |row| {
-        scale_end(row, 1)
-    });
-}
-
-fn scale_end(row: &LineRow<'_>, end: usize) -> Option<f64> {
-    let scale = row.item.simulation.shape.scale;
-    (scale.log_sd > 0.0).then(|| scale.interval_95()[end])
 }
 
 fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
@@ -334,7 +306,7 @@ fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
         Unit::Millimetres,
         "mean location error over the vertebrae above the base",
         |row| {
-            let found = row.item.simulation;
+            let found = row.simulation;
             found.is_usable().then(|| found.shape.mean_location_error_mm())
         },
     );
@@ -346,18 +318,18 @@ fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
     for (region, meaning) in Region::ALL.into_iter().zip(of_region) {
         let name = format!("ferguson_error_{}", region.key());
         add.number(&name, Unit::Degrees, meaning, |row| {
-            let found = row.item.simulation;
+            let found = row.simulation;
             found.is_usable().then(|| found.ferguson_difference[region.index()].abs().deg())
         });
     }
     add.count("joints_against", "number of counter-rotating joints", |row| {
-        row.item.simulation.contradicted.len() as i64
+        row.simulation.contradicted.len()
     });
     add.number(
         "work_against",
         Unit::One,
         "share of these joints in the work of all joints",
-        |row| row.item.simulation.contradicted_weight(),
+        |row| row.simulation.contradicted_weight(),
     );
 }
 
@@ -389,57 +361,57 @@ pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
 
 fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
     add.text("load_and_base", "name of the load, with the base where it is not fixed", |row| {
-        row.item.fit.hypothesis.key()
+        row.fit.hypothesis.key()
     });
-    add.text("posture", "film", |row| row.item.prediction.shape.posture.key());
+    add.text("posture", "film", |row| row.prediction.shape.posture.key());
     add.text(
         "role",
         "`fitted`, `held_out`, `left_out`, `left_out_with_prior`, `left_out_with_tilt` or `left_out_load_fitted`",
-        |row| row.item.prediction.role.key(),
+        |row| row.prediction.role.key(),
     );
-    add.text("fit_status", "how the fit to all bends ended", |row| row.item.fit.ending_key());
+    add.text("fit_status", "how the fit to all bends ended", |row| row.fit.ending_key());
     add.number(
         "aicc",
         Unit::One,
         "Akaike's information criterion of that fit, corrected for small samples",
-        |row| row.item.fit.criteria.aicc,
+        |row| row.fit.criteria.aicc,
     );
     add.number("bic", Unit::One, "Bayesian information criterion of that fit", |row| {
-        row.item.fit.criteria.bic
+        row.fit.criteria.bic
     });
     add.number(
         "mean_location_error",
         Unit::Millimetres,
         "mean location error over the vertebrae above the base",
-        |row| row.item.prediction.shape.mean_location_error_mm(),
+        |row| row.prediction.shape.mean_location_error_mm(),
     );
     add.number(
         "mean_band_95_radius",
         Unit::Millimetres,
         "mean radius of its 95 % band; empty where the load was fitted to the film",
-        |row| row.item.mean_radius_mm,
+        |row| row.mean_radius_mm,
     );
     add.number(
         "rotation_rms",
         Unit::Degrees,
         "root mean square error of the joint rotations",
-        |row| row.item.prediction.rotation_rms.deg(),
+        |row| row.prediction.rotation_rms.deg(),
     );
     add.number(
         "base",
         Unit::Degrees,
         "rotation of the whole spine about the base; positive to the patient's right",
-        |row| row.item.prediction.base.deg(),
+        |row| row.prediction.base.deg(),
     );
     add.count(
         "joints_against",
         "number of joints that turn against the moment of the load",
-        |row| row.item.prediction.against.joints as i64,
+        |row| row.prediction.against.joints,
     );
     add.number(
         "work_against",
         Unit::One,
         "share of these joints in the work of all joints",
-        |row| row.item.prediction.against.weight,
+        |row| row.prediction.against.weight,
     );
 }

@@ -3,7 +3,7 @@
 use spineline::cohort::Claims;
 use spineline::evaluate::statistics::Share;
 
-use crate::define::{Columns, Unit, table};
+use crate::define::{Columns, ENDS_95, Unit, table};
 use crate::table::{NumberFormat, NumberFormat::Places, Table};
 
 /// The claims in one setting of the study.
@@ -40,8 +40,6 @@ pub fn noise_study_table(points: &[NoisePoint<'_>]) -> Table {
 
 type Points<'r, 'a> = Columns<'r, NoisePoint<'a>>;
 
-const LOW: &str = "lower end of its 95 % interval";
-const HIGH: &str = "upper end of its 95 % interval";
 const VERDICT: &str = "whether the claim `holds`, `fails` or is `open`, by this interval and the claim's limit; empty where nothing was counted";
 
 /// A share and its interval.
@@ -54,7 +52,7 @@ fn share(
     let place = Places(4);
     add.number(&format!("{name}_share"), Unit::One, meaning, |row| Some(share(row)?.0)).format =
         place;
-    for (end, (name_of_end, meaning)) in [("low", LOW), ("high", HIGH)].into_iter().enumerate() {
+    for (end, (name_of_end, meaning)) in ["low", "high"].into_iter().zip(ENDS_95).enumerate() {
         let name = format!("{name}_share_{name_of_end}");
         add.number(&name, Unit::One, meaning, |row| Some(share(row)?.1?[end])).format = place;
     }
@@ -79,17 +77,13 @@ fn setting(add: &mut Points<'_, '_>) {
         "standard deviation of a coordinate of a corner in one reading",
         |row| row.noise_sd_mm,
     );
-    add.count("phantoms", "phantoms that were analysed", |row| row.claims.patients as i64);
-    add.count("phantoms_lost", "phantoms that could not be made or analysed", |row| {
-        row.lost as i64
-    });
+    add.count("phantoms", "phantoms that were analysed", |row| row.claims.patients);
+    add.count("phantoms_lost", "phantoms that could not be made or analysed", |row| row.lost);
 }
 
 /// Claim 1.
 fn near(add: &mut Points<'_, '_>) {
-    add.count("phantoms_with_inflections", "phantoms with inflections", |row| {
-        row.claims.near.n as i64
-    });
+    add.count("phantoms_with_inflections", "phantoms with inflections", |row| row.claims.near.n);
     share(
         add,
         "near",
@@ -140,7 +134,7 @@ fn better(add: &mut Points<'_, '_>) {
     );
     verdict(add, "better_verdict", 2);
     add.count("phantoms_compared_held_out", "phantoms with both lines on held-out films", |row| {
-        row.claims.better_held_out.n as i64
+        row.claims.better_held_out.n
     });
     share(add, "better_held_out", "the share of held-out films", |row| {
         with_interval(&row.claims.better_held_out)
@@ -149,7 +143,7 @@ fn better(add: &mut Points<'_, '_>) {
 
 fn advantage(add: &mut Points<'_, '_>) {
     add.count("phantoms_compared", "phantoms with both lines on fitted films", |row| {
-        row.claims.better.n as i64
+        row.claims.better.n
     });
     let mut number = |name, meaning, cell: fn(&NoisePoint<'_>) -> Option<f64>| {
         add.number(name, Unit::Millimetres, meaning, cell).format = Places(3);
@@ -163,8 +157,8 @@ fn advantage(add: &mut Points<'_, '_>) {
     number("advantage", "by which the inflection line's error is smaller", |row| {
         Some(row.claims.advantage_mm.0)
     });
-    number("advantage_low", LOW, |row| Some(row.claims.advantage_mm.1?[0]));
-    number("advantage_high", HIGH, |row| Some(row.claims.advantage_mm.1?[1]));
+    number("advantage_low", ENDS_95[0], |row| Some(row.claims.advantage_mm.1?[0]));
+    number("advantage_high", ENDS_95[1], |row| Some(row.claims.advantage_mm.1?[1]));
     add.number(
         "advantage_p_one_sided",
         Unit::One,

@@ -121,5 +121,5 @@ fn numerics(add: &mut Columns<'_, LoadedShape<'_>>) {
         |row| row.point.residual_rad,
     )
     .format = NumberFormat::ShortestScientific;
-    add.count("iterations", "Newton iterations", |row| i64::from(row.point.iterations));
+    add.count("iterations", "Newton iterations", |row| row.point.iterations as usize);
 }

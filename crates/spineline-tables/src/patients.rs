@@ -25,16 +25,16 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 
 fn subject(add: &mut Columns<'_, PatientRow<'_>>) {
     add.text("sex", "`female`, `male` or `other`, as stated in the case", |row| {
-        row.item.sex.map(|sex| match sex {
+        row.sex.map(|sex| match sex {
             Sex::Female => "female",
             Sex::Male => "male",
             Sex::Other => "other",
         })
     });
     add.number("age", Unit::Years, "age at the time of the films, as stated in the case", |row| {
-        row.item.age_years
+        row.age_years
     });
-    add.text("lenke_recorded", "Lenke class recorded by clinicians", |row| row.item.lenke.clone());
+    add.text("lenke_recorded", "Lenke class recorded by clinicians", |row| row.lenke.clone());
 }
 
 fn doubted_films(analysis: &Analysis) -> Option<String> {
@@ -52,14 +52,8 @@ fn inflection(row: &PatientRow<'_>, end: usize) -> Option<Inflection> {
     row.analysis.movement.inflections.pair.map(|pair| pair[end])
 }
 
-/// End of the 95 % interval of an inflection along the erect curve.
-fn interval_mm(row: &PatientRow<'_>, inflection: usize, end: usize) -> Option<f64> {
-    let found = row.analysis.movement.inflection_intervals?.each[inflection]?;
-    row.analysis.movement.scale().mm(found.along_mm[end])
-}
-
 fn curve(add: &mut Columns<'_, PatientRow<'_>>) {
-    add.count("films", "number of frontal films", |row| row.analysis.movement.films.len() as i64);
+    add.count("films", "number of frontal films", |row| row.analysis.movement.films.len());
     add.text(
         "doubted",
         "doubted films, in the order of the warnings, with spaces between them; empty without any",
@@ -77,7 +71,7 @@ fn curve(add: &mut Columns<'_, PatientRow<'_>>) {
         |row| row.analysis.movement.scale().plane.key(),
     );
     add.count("chain_segments", "number of segments of the erect chain (n)", |row| {
-        row.analysis.movement.chain.segments as i64
+        row.analysis.movement.chain.segments
     });
     add.number("segment", Unit::Millimetres, "length of a segment of the chain (l)", |row| {
         row.analysis.movement.scale().mm(row.analysis.movement.chain.segment_mm)
@@ -86,7 +80,7 @@ fn curve(add: &mut Columns<'_, PatientRow<'_>>) {
 
 fn inflections(add: &mut Columns<'_, PatientRow<'_>>) {
     add.count("inflections", "number of inflections of the erect curve", |row| {
-        row.analysis.movement.inflections.all.len() as i64
+        row.analysis.movement.inflections.all.len()
     });
     let of_end = [
         ("caudal", "vertebrae around the caudal inflection"),
@@ -107,21 +101,24 @@ fn inflections(add: &mut Columns<'_, PatientRow<'_>>) {
         add.number(&name("z"), mm, "its height", |row| {
             row.analysis.movement.scale().mm(inflection(row, end)?.erect.z_mm)
         });
-        add.number(
-            &name("interval_95_low"),
+        add.interval(
+            &name("interval_95"),
             mm,
-            "caudal end of its 95 % interval along the erect curve from the base, by landmark noise and the unknown form of the curve",
-            |row| interval_mm(row, end, 0),
+            [
+                "caudal end of its 95 % interval along the erect curve from the base, by landmark noise and the unknown form of the curve",
+                "cranial end of this interval",
+            ],
+            |row| {
+                let found = row.analysis.movement.inflection_intervals?.each[end]?;
+                Some(found.along_mm.map(|mm| row.analysis.movement.scale().mm(mm)))
+            },
         );
-        add.number(&name("interval_95_high"), mm, "cranial end of this interval", |row| {
-            interval_mm(row, end, 1)
-        });
     }
 }
 
 fn findings(add: &mut Columns<'_, PatientRow<'_>>) {
     add.count("lenke_type", "Lenke's curve type as far as frontal films determine it", |row| {
-        row.analysis.movement.lenke.map(|lenke| i64::from(lenke.number))
+        row.analysis.movement.lenke.map(|lenke| usize::from(lenke.number))
     });
     add.text("sagittal_profile", "`measured` on the lateral film, or of a `population`", |row| {
         if row.analysis.movement.space.is_some() { "measured" } else { "population" }
@@ -130,14 +127,14 @@ fn findings(add: &mut Columns<'_, PatientRow<'_>>) {
         row.analysis.is_converged()
     });
     add.count("warnings", "number of warnings, notes and contradictions", |row| {
-        row.analysis.warnings.all().len() as i64
+        row.analysis.warnings.all().len()
     });
     add.count(
         "contradictions",
         "number of contradictions: the data contradict the model, or a number is not a result",
         |row| {
             let all = row.analysis.warnings.all().iter();
-            all.filter(|w| w.code.severity() == Severity::Contradiction).count() as i64
+            all.filter(|w| w.code.severity() == Severity::Contradiction).count()
         },
     );
 }

@@ -4,7 +4,7 @@ use spineline::measure::FilmLength;
 use spineline::spatial::Angle;
 
 use crate::Patient;
-use crate::define::{Columns, LENGTHS, Row, Unit, keyed, rows};
+use crate::define::{Columns, ENDS_95, LENGTHS, Row, Unit, keyed, rows};
 use crate::table::Table;
 
 type PostureRow<'a> = Row<'a, &'a FilmMovement>;
@@ -22,82 +22,76 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 }
 
 fn film(add: &mut Columns<'_, PostureRow<'_>>) {
-    add.text("posture", "film", |row| row.item.outline.posture.key());
-    add.text("lengths", LENGTHS, |row| row.item.outline.scale.plane.key());
+    add.text("posture", "film", |row| row.outline.posture.key());
+    add.text("lengths", LENGTHS, |row| row.outline.scale.plane.key());
     add.text(
         "doubted",
         "codes of the warnings that doubt this film, with spaces between them; empty without any",
         |row| {
-            let posture = Some(row.item.outline.posture);
+            let posture = Some(row.outline.posture);
             let doubts = row.analysis.film_doubts();
             let codes: Vec<&str> =
                 doubts.filter(|one| one.posture == posture).map(|one| one.code.key()).collect();
             (!codes.is_empty()).then(|| codes.join(" "))
         },
     );
-    add.count("readings", "readings of the film", |row| row.item.outline.readings as i64);
+    add.count("readings", "readings of the film", |row| row.outline.readings);
     add.number(
         "spine",
         Unit::Millimetres,
         "length of the polygon through the midpoints from the base to the top",
-        |row| row.item.outline.scale.mm(row.item.outline.polygon_mm()),
+        |row| row.outline.scale.mm(row.outline.polygon_mm()),
     );
     add.number(
         "amplitude",
         Unit::Degrees,
         "lateral tilt of the line between two vertebrae against the normal of the iliac line; positive to the patient's right",
-        |row| row.item.outline.amplitude().deg(),
+        |row| row.outline.amplitude().deg(),
     );
     add.text("amplitude_between", "vertebrae of the amplitude, the lower one first", |row| {
-        row.item.outline.amplitude_levels().map(|level| level.to_string()).join("/")
+        row.outline.amplitude_levels().map(|level| level.to_string()).join("/")
     });
     add.number(
         "noise_location",
         Unit::Millimetres,
         "standard deviation of a coordinate of a location",
-        |row| row.item.outline.scale.mm(row.item.outline.noise.location_mm),
+        |row| row.outline.scale.mm(row.outline.noise.location_mm),
     );
     add.number("noise_tilt", Unit::Degrees, "standard deviation of a tilt", |row| {
-        row.item.outline.noise.tilt.deg()
+        row.outline.noise.tilt.deg()
     });
     add.truth(
         "noise_measured",
         "whether these standard deviations come from repeated readings; else they are assumed",
-        |row| row.item.outline.noise.is_measured(),
+        |row| row.outline.noise.is_measured(),
     );
 }
 
 fn curve(add: &mut Columns<'_, PostureRow<'_>>) {
-    add.count("curve_order", "order of the curve's polynomial", |row| row.item.fit.order as i64);
-    add.text("curve_form", "`graph` (y of z) or `parametric`", |row| {
-        row.item.fit.curve.form().key()
-    });
+    add.count("curve_order", "order of the curve's polynomial", |row| row.fit.order);
+    add.text("curve_form", "`graph` (y of z) or `parametric`", |row| row.fit.curve.form().key());
     add.number(
         "curve_rmse",
         Unit::Millimetres,
         "root mean square distance of the curve from the locations",
-        |row| row.item.outline.scale.mm(row.item.fit.rmse_mm),
+        |row| row.outline.scale.mm(row.fit.rmse_mm),
     );
     add.number("curve_rmse", Unit::Pixels, "the same where the film has no spacing", |row| {
-        row.item.outline.scale.px(row.item.fit.rmse_mm)
+        row.outline.scale.px(row.fit.rmse_mm)
     });
     add.number(
         "curve_rmse",
         Unit::Degrees,
         "root mean square difference between the tilt of the curve and the measured tilts",
-        |row| row.item.fit.rmse_tilt.deg(),
+        |row| row.fit.rmse_tilt.deg(),
     );
     add.count("segments", "number of segments of the chain on this curve (n_i)", |row| {
-        row.item.pose.segments() as i64
+        row.pose.segments()
     });
 }
 
 fn length(row: &PostureRow<'_>) -> Option<FilmLength> {
-    row.item.motion.is_some().then_some(row.item.outline.length)
-}
-
-fn scale_95(row: &PostureRow<'_>, end: usize) -> Option<f64> {
-    length(row).filter(FilmLength::is_free).map(|length| length.scale.interval_95()[end])
+    row.motion.is_some().then_some(row.outline.length)
 }
 
 /// The film's length against the erect one.
@@ -114,11 +108,8 @@ fn film_scale(add: &mut Columns<'_, PostureRow<'_>>) {
         "the same with its prior; locations are divided by it. 1 where the scale is fixed",
         |row| length(row).map(|length| length.scale.factor),
     );
-    add.number("film_scale_95_low", Unit::One, "lower end of its 95 % interval", |row| {
-        scale_95(row, 0)
-    });
-    add.number("film_scale_95_high", Unit::One, "upper end of its 95 % interval", |row| {
-        scale_95(row, 1)
+    add.interval("film_scale_95", Unit::One, ENDS_95, |row| {
+        length(row).filter(FilmLength::is_free).map(|length| length.scale.interval_95())
     });
 }
 
@@ -127,7 +118,7 @@ fn movement(add: &mut Columns<'_, PostureRow<'_>>) {
         "mean_rotation",
         Unit::Degrees,
         "mean rotation of the segments from the erect posture",
-        |row| row.item.mean_rotation().map(Angle::deg),
+        |row| row.mean_rotation().map(Angle::deg),
     );
     let of_end = [
         (
@@ -142,7 +133,7 @@ fn movement(add: &mut Columns<'_, PostureRow<'_>>) {
         ),
     ];
     for (end, (name, distance, rotation)) in of_end.into_iter().enumerate() {
-        let estimate = |row: &PostureRow<'_>| row.item.inflection_estimates.map(|pair| pair[end]);
+        let estimate = |row: &PostureRow<'_>| row.inflection_estimates.map(|pair| pair[end]);
         let to_least = format!("{name}_to_least");
         add.number(&to_least, Unit::Segments, distance, |row| {
             estimate(row).map(|found| found.distance_segments as f64)
@@ -161,36 +152,36 @@ fn own_line(add: &mut Columns<'_, PostureRow<'_>>) {
         "best_fit_line_lateral_tilt",
         Unit::Degrees,
         "lateral tilt of the line of best fit to the rotations; positive to the patient's right",
-        |row| row.item.best_fit_line.as_ref().map(|own| own.line.lateral_tilt().deg()),
+        |row| row.best_fit_line.as_ref().map(|own| own.line.lateral_tilt().deg()),
     );
     add.number(
         "better_than_inflection_line",
         Unit::Degrees,
         "angle between this line and the inflection line",
-        |row| row.item.line_comparison(LineKind::Inflection).map(|found| found.angle.deg()),
+        |row| row.line_comparison(LineKind::Inflection).map(|found| found.angle.deg()),
     );
     add.number(
         "better_than_inflection_line",
         Unit::Millimetres,
         "distance of this line from the midpoint of the inflections",
-        |row| row.item.line_comparison(LineKind::Inflection).map(|found| found.distance_mm),
+        |row| row.line_comparison(LineKind::Inflection).map(|found| found.distance_mm),
     );
     add.number(
         "p_through_inflections",
         Unit::One,
         "p value of the hypothesis that this line runs through both inflections",
-        |row| row.item.line_comparison(LineKind::Inflection).map(|found| found.test.p_value),
+        |row| row.line_comparison(LineKind::Inflection).map(|found| found.test.p_value),
     );
     add.number(
         "p_parallel_to_iliac_line",
         Unit::One,
         "p value of the hypothesis that this line is parallel to the iliac line",
-        |row| row.item.line_comparison(LineKind::Iliac).map(|found| found.test.p_value),
+        |row| row.line_comparison(LineKind::Iliac).map(|found| found.test.p_value),
     );
     add.number(
         "p_given_line",
         Unit::One,
         "p value of the hypothesis that this line is the given line",
-        |row| row.item.line_comparison(LineKind::Given).map(|found| found.test.p_value),
+        |row| row.line_comparison(LineKind::Given).map(|found| found.test.p_value),
     );
 }

@@ -60,37 +60,37 @@ fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
 }
 
 fn columns(add: &mut Columns<'_, PredictedRow<'_>>) {
-    add.text("posture", "film", |row| row.item.posture.key());
+    add.text("posture", "film", |row| row.posture.key());
     add.text(
         "role",
         "`left_out_bend`: stiffness from the other bend; `held_out`: a neutral or traction film",
-        |row| row.item.role.key(),
+        |row| row.role.key(),
     );
-    add.text("method", "line of action, or prediction without mechanics", |row| row.item.method);
-    add.text("level", "vertebra", |row| row.item.level.to_string());
+    add.text("method", "line of action, or prediction without mechanics", |row| row.method);
+    add.text("level", "vertebra", |row| row.level.to_string());
     add.number(
         "predicted_y",
         Unit::Millimetres,
         "predicted midpoint, positive to the patient's left",
-        |row| row.item.location.y_mm,
+        |row| row.location.y_mm,
     );
-    add.number("predicted_z", Unit::Millimetres, "its height", |row| row.item.location.z_mm);
+    add.number("predicted_z", Unit::Millimetres, "its height", |row| row.location.z_mm);
     add.number(
         "location_error",
         Unit::Millimetres,
         "distance of the predicted midpoint from the measured one",
-        |row| row.item.error_mm,
+        |row| row.error_mm,
     );
     add.number(
         "band_95_radius",
         Unit::Millimetres,
         "radius about the predicted midpoint that holds the vertebra on 95 % of films",
-        |row| row.item.radius_mm,
+        |row| row.radius_mm,
     );
     add.number(
         "band_95_film_radius",
         Unit::Millimetres,
         "the same radius for all vertebrae of a film together",
-        |row| Band::WHOLE_FILM * row.item.radius_mm,
+        |row| Band::WHOLE_FILM * row.radius_mm,
     );
 }

@@ -1,7 +1,7 @@
 use spineline::reliability::{Design, Statistic};
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed};
+use crate::define::{Columns, ENDS_95, Row, Unit, keyed};
 use crate::statistics::columns_of_design;
 use crate::table::Table;
 
@@ -39,33 +39,28 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns_of_statistics(add: &mut Columns<'_, ReliabilityRow<'_>>) {
-    columns_of_design(add, |row| &row.item.quantity, |row| &row.item.design);
+    columns_of_design(add, |row| &row.quantity, |row| &row.design);
     add.count(
         "repeat",
         "for `inter_observer_single`: the repeat that is compared",
-        |row| match row.item.design {
-            Design::InterObserverSingle { repeat } => Some(i64::from(repeat)),
+        |row| match row.design {
+            Design::InterObserverSingle { repeat } => Some(repeat as usize),
             Design::InterObserverMeans | Design::IntraObserver { .. } => None,
         },
     );
-    add.count("subjects", "number of subjects that all raters rated", |row| {
-        row.item.subjects as i64
-    });
-    add.text("statistic", "key of the statistic", |row| row.item.statistic.kind.key());
+    add.count("subjects", "number of subjects that all raters rated", |row| row.subjects);
+    add.text("statistic", "key of the statistic", |row| row.statistic.kind.key());
     add.text("unit", "unit of the value; empty for a coefficient", |row| {
-        let kind = row.item.statistic.kind;
-        kind.has_unit().then(|| row.item.unit.clone())
+        let kind = row.statistic.kind;
+        kind.has_unit().then(|| row.unit.clone())
     });
     add.number("value", Unit::Stated, "value of the statistic", |row| {
-        row.item.statistic.outcome.ok().map(|estimate| estimate.value)
+        row.statistic.outcome.ok().map(|estimate| estimate.value)
     });
-    add.number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
-        row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[0])
-    });
-    add.number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
-        row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[1])
+    add.interval("interval_95", Unit::Stated, ENDS_95, |row| {
+        row.statistic.outcome.ok()?.interval.ok()
     });
     add.text("undefined", "reason why the value is missing", |row| {
-        row.item.statistic.outcome.err().map(|why| why.key())
+        row.statistic.outcome.err().map(|why| why.key())
     });
 }

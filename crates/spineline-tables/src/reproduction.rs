@@ -56,7 +56,7 @@ fn columns(add: &mut Columns<'_, ReproducedNumber>) {
         .format = NumberFormat::ShortestDecimal;
     add.number("sd", Unit::Stated, "standard deviation; empty without one", |row| row.sd).format =
         NumberFormat::ShortestDecimal;
-    add.count("n", "number of values", |row| row.n as i64);
+    add.count("n", "number of values", |row| row.n);
     add.text("text", "the number as it is printed", |row| row.text.clone());
     add.text("verdict", "comparison of all groups with the paper", |row| row.verdict.clone());
 }

@@ -5,7 +5,7 @@ use spineline::measure::{AxialRotation, SpatialOutline, SpatialVertebra};
 use spineline::spatial::{Angle, Vec3};
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed, rows};
+use crate::define::{Columns, ENDS_95, Row, Unit, keyed, rows};
 use crate::table::Table;
 
 /// A vertebra on both films.
@@ -54,37 +54,30 @@ fn numbers(add: &mut Columns<'_, NumberRow<'_>>) {
     add.text(
         "quantity",
         "kyphosis or lordosis by `endplates` or `axes`; `curve_frontal`, `curve_lateral`, `curve_largest` (in the plane of maximum curvature) and `curve_convexity` (0 front, 90 left, 180 back) by axes; `spinal_length`",
-        |row| row.item.key,
+        |row| row.key,
     );
     add.text("between", "vertebrae between which it is measured, the upper one first", |row| {
-        row.item.between.clone()
+        row.between.clone()
     });
-    add.text("region", "region of a curve", |row| row.item.region.map(|region| region.key()));
-    add.text("dimension", "`2-D` on one film, `3-D` in space", |row| row.item.dimension.key());
-    add.text("unit", "`deg`, `mm`, or `px` where the erect film has no spacing", |row| {
-        row.item.unit
-    });
-    add.number("value", Unit::Stated, "its value", |row| row.item.value);
+    add.text("region", "region of a curve", |row| row.region.map(|region| region.key()));
+    add.text("dimension", "`2-D` on one film, `3-D` in space", |row| row.dimension.key());
+    add.text("unit", "`deg`, `mm`, or `px` where the erect film has no spacing", |row| row.unit);
+    add.number("value", Unit::Stated, "its value", |row| row.value);
     add.number(
         "sd",
         Unit::Stated,
         "its standard deviation by the landmarks and the alignment of the lateral film",
-        |row| row.item.sd,
+        |row| row.sd,
     );
-    add.number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
-        row.item.interval_95()[0]
-    });
-    add.number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
-        row.item.interval_95()[1]
-    });
+    add.interval("interval_95", Unit::Stated, ENDS_95, |row| Some(row.interval_95()));
 }
 
 fn place_mm(row: &VertebraRow<'_>, part: fn(&Vec3) -> f64) -> Option<f64> {
-    row.analysis.movement.scale().mm(part(&row.item.vertebra.place_mm))
+    row.analysis.movement.scale().mm(part(&row.vertebra.place_mm))
 }
 
 fn places(add: &mut Columns<'_, VertebraRow<'_>>) {
-    add.text("level", "vertebra", |row| row.item.vertebra.level.to_string());
+    add.text("level", "vertebra", |row| row.vertebra.level.to_string());
     add.number(
         "x_3d",
         Unit::Millimetres,
@@ -102,31 +95,31 @@ fn angles(add: &mut Columns<'_, VertebraRow<'_>>) {
         "tilt_2d",
         Unit::Degrees,
         "tilt of the axis on the erect film, against its vertical; positive to the patient's right",
-        |row| row.item.vertebra.orientation.tilt.deg(),
+        |row| row.vertebra.orientation.tilt.deg(),
     );
     add.number("tilt_2d_sd", Unit::Degrees, "its standard deviation by the landmarks", |row| {
-        row.item.vertebra.tilt_sd.deg()
+        row.vertebra.tilt_sd.deg()
     });
     add.number(
         "pitch_2d",
         Unit::Degrees,
         "angle of the axis from the vertical on the lateral film, corrected for the turn of that film; flexion positive",
-        |row| row.item.vertebra.lateral_pitch.deg(),
+        |row| row.vertebra.lateral_pitch.deg(),
     );
     add.number("pitch_3d", Unit::Degrees, "pitch of the axis in space; flexion positive", |row| {
-        row.item.vertebra.orientation.pitch.deg()
+        row.vertebra.orientation.pitch.deg()
     });
     add.number(
         "pitch_3d_sd",
         Unit::Degrees,
         "its standard deviation by the landmarks and the turn of the lateral film",
-        |row| row.item.space.pitch_sd(row.item.vertebra).deg(),
+        |row| row.space.pitch_sd(row.vertebra).deg(),
     );
     add.number(
         "pitch_template",
         Unit::Degrees,
         "pitch by the profile of a population, as in a model without the lateral film; empty for vertebrae outside of the model",
-        |row| row.item.template.map(Angle::deg),
+        |row| row.template.map(Angle::deg),
     );
 }
 
@@ -140,27 +133,25 @@ pub(crate) fn axial(patients: &[Patient<'_>]) -> Table {
 }
 
 fn rotations(add: &mut Columns<'_, AxialRow<'_>>) {
-    add.text("level", "vertebra", |row| row.item.level.to_string());
+    add.text("level", "vertebra", |row| row.level.to_string());
     add.number(
         "axial_3d",
         Unit::Degrees,
         "axial rotation by the distance between the pedicles (Stokes); positive where the front of the vertebra turns to the patient's left",
-        |row| row.item.stokes.deg(),
+        |row| row.stokes.deg(),
     );
     add.number(
         "axial_3d_sd",
         Unit::Degrees,
         "its standard deviation by the landmarks and by how vertebrae differ between people",
-        |row| row.item.sd.deg(),
+        |row| row.sd.deg(),
     );
     add.number(
         "drerup",
         Unit::Degrees,
         "the same by the width of the body (Drerup); empty where the pedicles lie too far out for it",
-        |row| row.item.drerup.map(Angle::deg),
+        |row| row.drerup.map(Angle::deg),
     );
-    add.text("nash_moe", "grade of Nash and Moe, `0` to `IV`", |row| row.item.grade.key());
-    add.count("readings", "number of readings that marked both pedicles", |row| {
-        row.item.readings as i64
-    });
+    add.text("nash_moe", "grade of Nash and Moe, `0` to `IV`", |row| row.grade.key());
+    add.count("readings", "number of readings that marked both pedicles", |row| row.readings);
 }

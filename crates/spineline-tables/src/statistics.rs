@@ -4,7 +4,7 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticEstimate,
 };
 
-use crate::define::{Columns, Unit, table};
+use crate::define::{Columns, ENDS_95, Unit, table};
 use crate::table::Table;
 
 /// A statistic of a design, or one of the limits of a pair.
@@ -87,7 +87,7 @@ pub(crate) fn columns_of_design<R>(
 fn which(add: &mut Columns<'_, StatisticRow<'_>>) {
     add.truth("synthetic", "whether the films of some case are synthetic", |row| row.synthetic);
     columns_of_design(add, |row| &row.quantity.key, |row| &row.design.design);
-    add.count("raters", "number of raters", |row| row.design.raters.len() as i64);
+    add.count("raters", "number of raters", |row| row.design.raters.len());
     add.text(
         "repeats",
         "number of readings in a value of each rater, with spaces between them",
@@ -96,16 +96,13 @@ fn which(add: &mut Columns<'_, StatisticRow<'_>>) {
             Some(repeats.join(" "))
         },
     );
-    add.count("subjects", "number of subjects that all raters rated", |row| {
-        row.design.subjects as i64
-    });
+    add.count("subjects", "number of subjects that all raters rated", |row| row.design.subjects);
     add.count("dropped", "subjects that are left out, since some rater did not rate them", |row| {
-        row.design.dropped as i64
+        row.design.dropped
     });
 }
 
 fn values(add: &mut Columns<'_, StatisticRow<'_>>) {
-    let interval = |row: &StatisticRow<'_>, end: usize| row.value.interval().map(|ends| ends[end]);
     add.text("statistic", "key of the statistic", |row| match &row.value {
         Value::Statistic(statistic) => statistic.kind.key().to_owned(),
         Value::Limit { name, .. } => format!("bland_altman_{}", name.replace(' ', "_")),
@@ -113,7 +110,7 @@ fn values(add: &mut Columns<'_, StatisticRow<'_>>) {
     add.text("name", "its name; of a bias or limit of agreement, the two raters", |row| match &row
         .value
     {
-        Value::Statistic(statistic) => statistic.kind.name().to_owned(),
+        Value::Statistic(statistic) => statistic.kind.to_string(),
         Value::Limit { pair, .. } => {
             format!("{1} minus {0}", pair.raters[0], pair.raters[1])
         }
@@ -131,8 +128,7 @@ fn values(add: &mut Columns<'_, StatisticRow<'_>>) {
             Value::Limit { pair, name, .. } => (name == "bias").then_some(pair.sd),
         },
     );
-    add.number("ci95_low", Unit::Stated, "lower end of its 95 % interval", |row| interval(row, 0));
-    add.number("ci95_high", Unit::Stated, "upper end of its 95 % interval", |row| interval(row, 1));
+    add.interval("ci95", Unit::Stated, ENDS_95, |row| row.value.interval());
     add.text("unit", "unit of the value; empty for a coefficient", |row| {
         let has_unit = match row.value {
             Value::Statistic(statistic) => statistic.kind.has_unit(),

@@ -20,41 +20,41 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 
 fn which(add: &mut Columns<'_, SpreadRow<'_>>) {
     add.text("quantity", "kind of the quantity; the next columns specify it", |row| {
-        row.item.quantity.key()
+        row.quantity.key()
     });
-    add.text("posture", "film", |row| row.item.quantity.posture().map(|posture| posture.key()));
-    add.text("level", "vertebra", |row| row.item.quantity.level().map(|level| level.to_string()));
+    add.text("posture", "film", |row| row.quantity.posture().map(|posture| posture.key()));
+    add.text("level", "vertebra", |row| row.quantity.level().map(|level| level.to_string()));
     add.text("group", "region, or the joints that share a multiplier", |row| {
-        row.item.quantity.group(row.analysis)
+        row.quantity.group(row.analysis)
     });
-    add.text("end", "`caudal` or `cranial`", |row| row.item.quantity.end());
-    add.text("line", "line of action", |row| row.item.quantity.line().map(|line| line.key()));
+    add.text("end", "`caudal` or `cranial`", |row| row.quantity.end());
+    add.text("line", "line of action", |row| row.quantity.line().map(|line| line.key()));
     add.text("unit", "`mm`, `px`, `deg`, `segments`, `N`, `relative` or `1`", |row| {
-        row.item.quantity.unit(row.analysis).key()
+        row.quantity.unit(row.analysis).key()
     });
 }
 
 fn spread(add: &mut Columns<'_, SpreadRow<'_>>) {
-    add.number("value", Unit::Stated, "value of the unperturbed case", |row| row.item.nominal.ok());
+    add.number("value", Unit::Stated, "value of the unperturbed case", |row| row.nominal.ok());
     add.number("mean", Unit::Stated, "mean over the replicates", |row| {
-        row.item.spread.map(|spread| spread.mean)
+        row.spread.map(|spread| spread.mean)
     });
     add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
-        row.item.spread.map(|spread| spread.sd)
+        row.spread.map(|spread| spread.sd)
     });
-    add.number(
-        "interval_95_low",
+    add.interval(
+        "interval_95",
         Unit::Stated,
-        "2.5 % quantile; empty at a bound of the fit, and for distances and absolute errors, which any noise makes larger",
-        |row| row.item.interval_95().map(|interval| interval[0]),
+        [
+            "2.5 % quantile; empty at a bound of the fit, and for distances and absolute errors, which any noise makes larger",
+            "97.5 % quantile, likewise",
+        ],
+        |row| row.interval_95(),
     );
-    add.number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
-        row.item.interval_95().map(|interval| interval[1])
-    });
     add.truth(
         "at_bound",
         "whether the value is at a bound of the fit, and so not identified",
-        |row| row.item.at_bound,
+        |row| row.at_bound,
     );
-    add.count("replicates", "number of replicates with a value", |row| row.item.count as i64);
+    add.count("replicates", "number of replicates with a value", |row| row.count as usize);
 }

@@ -23,7 +23,7 @@ pub fn verdicts_table(verdicts: &[RowVerdict]) -> Table {
 }
 
 fn columns(add: &mut Columns<'_, RowVerdict>) {
-    add.count("line", "line of `landmarks.csv`", |row| row.line as i64);
+    add.count("line", "line of `landmarks.csv`", |row| row.line as usize);
     add.text("case_id", "name that a case of this row has", |row| row.case_id.clone());
     add.text("verdict", "`clean`, or `faults`, for which no case is written", |row| {
         if row.found.is_ok() { "clean" } else { "faults" }

@@ -112,50 +112,50 @@ pub fn errors_table(analyses: &[Analysis]) -> Table {
 }
 
 fn measured(add: &mut Columns<'_, VertebraRow<'_>>) {
-    add.text("posture", "film", |row| row.item.posture.outline.posture.key());
+    add.text("posture", "film", |row| row.posture.outline.posture.key());
     add.text("line", "line of action of the model", |row| {
-        row.item.simulated.map(|(kind, _)| kind.key())
+        row.simulated.map(|(kind, _)| kind.key())
     });
-    add.text("level", "vertebra", |row| row.item.measured().level.to_string());
-    add.text("lengths", LENGTHS, |row| row.item.posture.outline.scale.plane.key());
+    add.text("level", "vertebra", |row| row.measured().level.to_string());
+    add.text("lengths", LENGTHS, |row| row.posture.outline.scale.plane.key());
     add.number(
         "measured_y",
         Unit::Millimetres,
         "measured midpoint relative to the base's midpoint, positive to the patient's left",
-        |row| row.item.mm(|vertebra| vertebra.location.y_mm),
+        |row| row.mm(|vertebra| vertebra.location.y_mm),
     );
     add.number(
         "measured_z",
         Unit::Millimetres,
         "measured midpoint relative to the base's midpoint, positive upwards",
-        |row| row.item.mm(|vertebra| vertebra.location.z_mm),
+        |row| row.mm(|vertebra| vertebra.location.z_mm),
     );
     add.number("measured_y", Unit::Pixels, "the same on films without a spacing", |row| {
-        row.item.px(|vertebra| vertebra.location.y_mm)
+        row.px(|vertebra| vertebra.location.y_mm)
     });
     add.number("measured_z", Unit::Pixels, "the same on films without a spacing", |row| {
-        row.item.px(|vertebra| vertebra.location.z_mm)
+        row.px(|vertebra| vertebra.location.z_mm)
     });
     add.number(
         "measured_tilt",
         Unit::Degrees,
         "measured tilt; positive to the patient's right",
-        |row| row.item.measured().tilt.deg(),
+        |row| row.measured().tilt.deg(),
     );
     add.truth(
         "interpolated",
         "whether the film does not show the vertebra, so that its measured values are interpolated between its neighbours",
-        |row| !row.item.measured().is_measured(),
+        |row| !row.measured().is_measured(),
     );
     add.text(
         "origin",
         "how its corners came about: `clicked`, `completed`, `detected`, `accepted` or `adjusted`, and `mixed` where corners or readings differ; empty where no corners are known",
-        |row| row.item.measured().origin.map(|origin| origin.key()),
+        |row| row.measured().origin.map(|origin| origin.key()),
     );
 }
 
 fn simulation<'a>(row: &VertebraRow<'a>) -> Option<&'a Simulation> {
-    row.item.simulated.map(|(_, simulation)| simulation)
+    row.simulated.map(|(_, simulation)| simulation)
 }
 
 fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
@@ -173,16 +173,16 @@ fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
         "simulated_y",
         Unit::Millimetres,
         "simulated midpoint, positive to the patient's left",
-        |row| simulation(row).map(|s| s.shape.locations[row.item.index].y_mm),
+        |row| simulation(row).map(|s| s.shape.locations[row.index].y_mm),
     );
     add.number("simulated_z", Unit::Millimetres, "simulated midpoint, positive upwards", |row| {
-        simulation(row).map(|s| s.shape.locations[row.item.index].z_mm)
+        simulation(row).map(|s| s.shape.locations[row.index].z_mm)
     });
     add.number(
         "simulated_tilt",
         Unit::Degrees,
         "simulated tilt; positive to the patient's right",
-        |row| simulation(row).map(|s| s.tilts[row.item.index].deg()),
+        |row| simulation(row).map(|s| s.tilts[row.index].deg()),
     );
     add.number(
         "location_error",
@@ -190,7 +190,7 @@ fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
         "location error: distance of the two midpoints (E_LOC); empty for the base, which is fixed, for interpolated vertebrae, and without a result",
         |row| {
                 let found = simulation(row).filter(|s| s.is_usable())?;
-                found.shape.location_error_mm(row.item.measured().level)
+                found.shape.location_error_mm(row.measured().level)
             },
     );
 }

@@ -13,13 +13,11 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns(add: &mut Columns<'_, WarningRow<'_>>) {
-    add.text("severity", "`note`, `warning` or `contradiction`", |row| {
-        row.item.code.severity().key()
-    });
-    add.text("code", "stable key of the warning", |row| row.item.code.key());
-    add.text("step", "step of the method that raised it", |row| row.item.code.step().key());
-    add.text("posture", "film concerned", |row| row.item.posture.map(|posture| posture.key()));
-    add.text("level", "vertebra concerned", |row| row.item.level.map(|level| level.to_string()));
-    add.text("line", "line of action concerned", |row| row.item.line.map(|line| line.key()));
-    add.text("message", "what happened and what to do", |row| row.item.message.clone());
+    add.text("severity", "`note`, `warning` or `contradiction`", |row| row.code.severity().key());
+    add.text("code", "stable key of the warning", |row| row.code.key());
+    add.text("step", "step of the method that raised it", |row| row.code.step().key());
+    add.text("posture", "film concerned", |row| row.posture.map(|posture| posture.key()));
+    add.text("level", "vertebra concerned", |row| row.level.map(|level| level.to_string()));
+    add.text("line", "line of action concerned", |row| row.line.map(|line| line.key()));
+    add.text("message", "what happened and what to do", |row| row.message.clone());
 }

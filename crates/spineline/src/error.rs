@@ -89,17 +89,24 @@ pub enum Error {
     Stiffness(#[from] StiffnessError),
 }
 
+/// What the error of a step says.
+macro_rules! of_step {
+    ($error:expr, $says:ident) => {
+        match $error {
+            Error::Case(error) => error.$says(),
+            Error::Measure(error) => error.$says(),
+            Error::Curve(error) => error.$says(),
+            Error::Chain(error) => error.$says(),
+            Error::Stiffness(error) => error.$says(),
+        }
+    };
+}
+
 impl Error {
     /// What it is about, for programs; the message says the same in words.
     #[must_use]
     pub fn place(&self) -> ErrorPlace {
-        match self {
-            Self::Case(error) => error.place(),
-            Self::Measure(error) => error.place(),
-            Self::Curve(error) => error.place(),
-            Self::Chain(error) => error.place(),
-            Self::Stiffness(error) => error.place(),
-        }
+        of_step!(self, place)
     }
 
     /// The step of the error.
@@ -116,24 +123,12 @@ impl Error {
     /// A stable name, for counts.
     #[must_use]
     pub fn code(&self) -> &'static str {
-        match self {
-            Self::Case(error) => error.code(),
-            Self::Measure(error) => error.code(),
-            Self::Curve(error) => error.code(),
-            Self::Chain(error) => error.code(),
-            Self::Stiffness(error) => error.code(),
-        }
+        of_step!(self, code)
     }
 
     /// What the user can do about it.
     #[must_use]
     pub fn help(&self) -> &'static str {
-        match self {
-            Self::Case(error) => error.help(),
-            Self::Measure(error) => error.help(),
-            Self::Curve(error) => error.help(),
-            Self::Chain(error) => error.help(),
-            Self::Stiffness(error) => error.help(),
-        }
+        of_step!(self, help)
     }
 }

@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Deserializer};
 
+/// Normal quantile of a two-sided 95 % interval.
+pub(crate) const NORMAL_975: f64 = 1.959_963_984_540_054;
+
 /// Mean of some values; `None` without a value.
 #[must_use]
 pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {

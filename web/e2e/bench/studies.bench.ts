@@ -87,8 +87,8 @@ async function askedAfterChange(page: Page, times: number): Promise<number[]> {
   const samples: number[] = [];
   for (let i = 0; i < times; i += 1) {
     const { body } = await get<Api<"StudySummary">[]>(page, "/api/studies");
-    const { film, revision, inverted } = body[i]!.films[0]!;
-    const edit = { kind: "inverted", inverted: !inverted };
+    const { film, revision, image } = body[i]!.films[0]!;
+    const edit = { kind: "inverted", inverted: !image.inverted };
     await send(page, "POST", `/api/films/${film}/edits`, { expected_revision: revision, edit });
     samples.push(await timed(page));
   }
@@ -140,7 +140,7 @@ async function films(
     for (const name of names) samples.push(await clicked(page, name));
   }
   const { body } = await get<Api<"StudyDetail">>(page, "/api/studies/S-050");
-  const { columns, rows } = body.summary.films[1]!;
+  const { columns, rows } = body.summary.films[1]!.image;
   return { size: `${columns} × ${rows}`, opened, again };
 }
 

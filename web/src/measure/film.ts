@@ -1,5 +1,4 @@
 import { askBytes } from "../api/client";
-import type { Api } from "../api/types";
 import { limited, type GreyWindow } from "./grey";
 import { Pyramid, inSlices } from "./pyramid";
 
@@ -15,13 +14,6 @@ export interface FilmPicture {
   /** All windows that a DICOM file has. */
   readonly fileWindows: readonly GreyWindow[];
   readonly pyramid: Pyramid;
-}
-
-/** The picture of a film without an open reading. */
-export function imageOf(film: Api<"FilmSummary">): Api<"ReadingImage"> {
-  const { columns, rows, pixel_aspect, patient_left, plane, spacing_text, inverted } = film;
-  const is_lateral = film.posture === "lateral";
-  return { columns, rows, pixel_aspect, is_lateral, patient_left, plane, spacing_text, inverted };
 }
 
 /** The last films stay in memory, so that they need no second download: six films of 60 million pixels. */

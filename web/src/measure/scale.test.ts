@@ -2,7 +2,7 @@ import { expect, it } from "vitest";
 
 import { barLength_mm, meanWidth_mm, movedText } from "./scale";
 
-const film = { rows: 4000, row_mm: 0.2, pixel_aspect: 2 };
+const film = { row_mm: 0.2, image: { rows: 4000, pixel_aspect: 2 } };
 const body = {
   corners: [
     { corner: "superior_left" as const, px: [100, 0], origin: "clicked" as const },

@@ -2,11 +2,13 @@ import type { Api } from "../api/types";
 import { fixed } from "../shell/number";
 
 /** The properties of a film that a scale changes. */
-type Film = Pick<Api<"FilmSummary">, "rows" | "row_mm" | "pixel_aspect">;
+type Film = Pick<Api<"FilmSummary">, "row_mm"> & {
+  image: Pick<Api<"ReadingImage">, "rows" | "pixel_aspect">;
+};
 
 /** Mean width of the bodies with four corners, between the middles of their walls; null without any. */
 export function meanWidth_mm(
-  { row_mm, pixel_aspect }: Film,
+  { row_mm, image }: Film,
   vertebrae: readonly Pick<Api<"VertebraView">, "corners">[],
 ): number | null {
   if (!row_mm) return null;
@@ -19,7 +21,7 @@ export function meanWidth_mm(
       return [mean(0), mean(1)];
     };
     const [left, right] = [middle("left"), middle("right")];
-    const column_mm = row_mm / pixel_aspect;
+    const column_mm = row_mm / image.pixel_aspect;
     return [Math.hypot((right[0] - left[0]) * column_mm, (right[1] - left[1]) * row_mm)];
   });
   if (widths.length === 0) return null;
@@ -36,7 +38,7 @@ export function movedText(
     const [from, to] = [was, is].map((mm) => (mm === null ? "unknown" : fixed(mm, digits)));
     return `${from} → ${to} mm`;
   };
-  const height = ({ rows, row_mm }: Film): number | null => (row_mm ? rows * row_mm : null);
+  const height = ({ image, row_mm }: Film): number | null => (row_mm ? image.rows * row_mm : null);
   const width = meanWidth_mm(after, vertebrae);
   return [
     `Scale: ${moved(before.row_mm ?? null, after.row_mm ?? null, 4)} per row`,

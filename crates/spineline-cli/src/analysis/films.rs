@@ -1,18 +1,17 @@
 //! Checks the pictures beside a case: each film has its own picture, of the same patient and part of the body.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline::warning::{WarningCode, Warnings};
 use spineline_files::CaseFile;
-use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_films::{Stated, film_doubts};
 use spineline_landmarks::read_source;
 
 use crate::run::failure::Failure;
-use crate::run::film_decoder::Decoder;
+use crate::run::film_decoder::{Decoder, film_bytes, is_beside};
 
 /// A film of a case whose picture lies beside the case.
 struct Beside {
@@ -57,13 +56,10 @@ fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
         let size = (image.columns, image.rows);
         Some((Some(film.posture), size, file.source(film.posture)?.file?))
     });
-    let lateral = case
-        .lateral
-        .as_ref()
-        .and_then(|film| Some((None, (film.columns, film.rows), file.lateral_source()?.file?)));
-    let named = frontal.chain(lateral).filter(|(.., name)| {
-        Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
+    let lateral = case.lateral.as_ref().and_then(|film| {
+        Some((None, (film.image.columns, film.image.rows), file.lateral_source()?.file?))
     });
+    let named = frontal.chain(lateral).filter(|(.., name)| is_beside(name));
     let placed =
         named.map(|(posture, size, name)| Beside { posture, size, place: folder.join(name) });
     placed.filter(|film| film.place.is_file()).collect()
@@ -81,7 +77,7 @@ fn check_pixels(path: &Path, films: &[Beside]) -> Result<(), Failure> {
         if let Some((other, _)) = known.iter().find(|(_, of)| *of == picture) {
             let what = format!("the {} and the {} are the same picture", other.name(), film.name());
             let help = "give each film its own picture, or leave the repeated one out of the case";
-            return Err(Failure::input(&path.display().to_string(), &what, help));
+            return Err(Failure::input(path.display(), what, help));
         }
         known.push((film, picture));
     }
@@ -89,14 +85,13 @@ fn check_pixels(path: &Path, films: &[Beside]) -> Result<(), Failure> {
 }
 
 fn picture(decoder: &Decoder, place: &Path) -> Option<String> {
-    let bytes = read(&Place::File(place.to_owned()), &IntakeLimits::default()).ok()?;
-    decoder.decode(bytes).ok().map(|film| film.picture_sha256())
+    decoder.decode(film_bytes(place).ok()?).ok().map(|film| film.picture_sha256())
 }
 
 /// Warns of films of another part of the body or another patient, if their files are DICOM.
 fn warn_of_wrong_films(films: &[Beside], warnings: &mut Warnings) {
     let stated = |film: &Beside| {
-        let bytes = read(&Place::File(film.place.clone()), &IntakeLimits::default()).ok();
+        let bytes = film_bytes(&film.place).ok();
         let stated = bytes.and_then(|bytes| Stated::read(&bytes).ok()).unwrap_or_default();
         (film.name(), stated)
     };

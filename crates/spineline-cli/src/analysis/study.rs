@@ -6,12 +6,12 @@ use std::path::Path;
 use spineline::measure::{alike_observers, alike_words};
 use spineline::warning::{Warning, Warnings, counted};
 use spineline_files::parse_case_file;
-use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_report::terminal::Lines;
 use spineline_store::{CaseError, NewCase, Signature, Store, StoreError};
 
 use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
+use crate::run::film_decoder::film_bytes;
 
 /// Adds one case; returns what was added as text. Films that may not belong to the case are added only if accepted.
 /// `fail` names the store in its errors.
@@ -23,10 +23,7 @@ pub fn add_case(
     by: &Signature,
 ) -> Result<Lines, Failure> {
     let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;
-    let bytes_of = |file: &str| {
-        let place = Place::File(path.with_file_name(file));
-        read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))
-    };
+    let bytes_of = |file: &str| film_bytes(&path.with_file_name(file)).map_err(Failure::from);
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
     let (warnings, observers) = film_warnings(path, &text)?;
     let doubts: Vec<&Warning> =
@@ -61,7 +58,7 @@ fn place_and_text(warning: &Warning) -> String {
 fn doubtful(path: &Path, doubts: &[&Warning]) -> Failure {
     let texts: Vec<String> = doubts.iter().map(|doubt| place_and_text(doubt)).collect();
     let help = "give the case other films, or --accept if you are sure";
-    Failure::input(&path.display().to_string(), &texts.join("; "), help)
+    Failure::input(path.display(), texts.join("; "), help)
 }
 
 /// Warnings about the films of the case, and its observers; one picture for two films is refused.
@@ -89,9 +86,6 @@ fn refusal(path: &Path, error: CaseError<Failure>) -> Failure {
         CaseError::File(error) => Failure::file(path, &error),
         CaseError::Picture(failure) => failure,
         CaseError::Name(error) => Failure::usage(format!("{error}; {}", error.help())),
-        other => {
-            let help = other.help();
-            Failure::input(&path.display().to_string(), &other, help)
-        }
+        other => Failure::input(path.display(), &other, other.help()),
     }
 }

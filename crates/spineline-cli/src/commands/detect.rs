@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use spineline::analysis::{Case, Subject};
+use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Origin, Reading, ReadingId,
@@ -14,14 +14,13 @@ use spineline::warning::counted;
 use spineline_detect::{DetectedVertebra, Detection, Picture, Refusal, detect};
 use spineline_files::{CaseFile, FilmSource, sha256_hex, to_text};
 use spineline_films::FilmFile;
-use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_marking::{View, judge_spacing, judge_view};
 use spineline_report::terminal::Lines;
 
 use crate::options::choice::choice;
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
-use crate::run::film_decoder::Decoder;
+use crate::run::film_decoder::{Decoder, film_bytes};
 use crate::run::inputs::{CaseInput, is_json};
 use crate::run::messages::{say, say_origin_of_weights};
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
@@ -104,26 +103,23 @@ fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Resul
     let place = path.display().to_string();
     let Some(posture) = args.posture else {
         let help = "give --posture erect, left-bending, right-bending, neutral or traction, or a case whose films have postures";
-        return Err(Failure::input(&place, &"the posture of the film is not known", help));
+        return Err(Failure::input(&place, "the posture of the film is not known", help));
     };
     let (film, sha256) = decoded(decoder, path)?;
     let view = judge_view(&film.tags.view, None);
     if view.view == Some(View::Lateral) {
-        return Err(Failure::input(&place, &"the film states a lateral view", FRONTAL));
+        return Err(Failure::input(&place, "the film states a lateral view", FRONTAL));
     }
     let Some(patient_left) = view.patient_left.or(args.patient_left) else {
         let what = "the film does not say on which side of the picture the patient's left is";
         let help = "give --patient-left image-left or image-right (look for the lead marker, the heart, the stomach's bubble)";
-        return Err(Failure::input(&place, &what, help));
+        return Err(Failure::input(&place, what, help));
     };
     let spacing = judge_spacing(&film.tags.spacing).spacing;
     let image = ImageGeometry { columns: film.columns, rows: film.rows, spacing, patient_left };
     let (reading, detection) = read_film(&film, &image, None, &place)?;
     let landmarks = FilmLandmarks::Corners { image, iliac_crests: None, readings: vec![reading] };
-    let film = Film::new(posture, landmarks);
-    let subject = Subject::default();
-    let case =
-        Case { id: id.to_owned(), synthetic: false, subject, films: vec![film], lateral: None };
+    let case = Case::of_films(id, vec![Film::new(posture, landmarks)]);
     let source = FilmSource { file: None, sha256: Some(sha256), inverted: false };
     let case = CaseFile::from_case(&case).with_source(posture, source);
     Ok(Made { case, found: vec![(posture, detection)] })
@@ -150,7 +146,7 @@ fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
     if found.is_empty() {
         let help = "films with a reading are left as they are; `spineline import` makes a case without readings";
         let what = "no film has a picture and lacks a reading";
-        return Err(Failure::input(&path.display().to_string(), &what, help));
+        return Err(Failure::input(path.display(), what, help));
     }
     let mut made = CaseFile::from_case(&case);
     for film in &case.films {
@@ -166,12 +162,10 @@ const FRONTAL: &str = "only films from the front or from behind";
 
 /// A film and the hash of its file.
 fn decoded(decoder: &Decoder, path: &Path) -> Result<(FilmFile, String), Failure> {
-    let bytes = read(&Place::File(path.to_owned()), &IntakeLimits::default())
-        .map_err(|error| Failure::intake(&error))?;
+    let bytes = film_bytes(path)?;
     let sha256 = sha256_hex(&bytes);
-    let failed = |error: spineline_films::FilmError| {
-        Failure::input(&path.display().to_string(), &error, error.help())
-    };
+    let failed =
+        |error: spineline_films::FilmError| Failure::input(path.display(), &error, error.help());
     Ok((decoder.decode(bytes).map_err(failed)?, sha256))
 }
 
@@ -184,9 +178,9 @@ fn read_film(
 ) -> Result<(Reading<VertebraLandmarks>, Detection), Failure> {
     let refused = |refusal| match refusal {
         Refusal::NoNetworks => {
-            Failure::input(place, &refusal, "use a program built with the feature `weights`")
+            Failure::input(place, refusal, "use a program built with the feature `weights`")
         }
-        _ => Failure::input(place, &refusal, FRONTAL),
+        _ => Failure::input(place, refusal, FRONTAL),
     };
     let detection = in_picture(film, image, crests).map_err(refused)?;
     let landmarks = |found: &DetectedVertebra| {

@@ -1,7 +1,7 @@
 //! `spineline export`: a personalised model for other multibody programs, or the landmarks of a case for image programs.
 
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use clap::builder::PossibleValue;
@@ -20,6 +20,7 @@ use spineline_landmarks::{
 
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
+use crate::run::film_decoder::is_beside;
 use crate::run::inputs::{read_input, read_model};
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout};
@@ -138,7 +139,7 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     outputs.file(&args.out)?;
     let model = read_model(&args.file)?.model;
     let text = export(&model, format, &generator())
-        .map_err(|error| Failure::input(&args.file.display().to_string(), &error, error.help()))?;
+        .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
     outputs.of_case(&model.case_id);
     outputs.write(&args.out, text)?;
     outputs.commit_and_say().map(|()| Ending::Done)
@@ -150,11 +151,10 @@ fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
     }
     let file = read_case_file(&args.file)?;
     let case = file.clone().into_case().map_err(|error| Failure::file(&args.file, &error))?;
-    let place = args.file.display().to_string();
     let (sources, curves, written);
     let pictures = openable_pictures(&file, &case);
     let target = match name {
-        LandmarkName::LateralCsv => return lateral_landmarks(args, &case, &place),
+        LandmarkName::LateralCsv => return lateral_landmarks(args, &case),
         LandmarkName::Csv => LandmarkTarget::Csv,
         LandmarkName::Slicer => LandmarkTarget::Slicer,
         LandmarkName::Labelme => LandmarkTarget::Labelme { pictures: &pictures },
@@ -168,18 +168,19 @@ fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
         }
     };
     let files = export_landmarks(&case, args.posture, target)
-        .map_err(|error| Failure::input(&place, &error, error.help()))?;
+        .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
     for part in target.left_out(&case) {
         say(format!("note: this format has no place for {part}; the case keeps them"));
     }
     write_landmarks(args, &case, &files)
 }
 
-fn lateral_landmarks(args: &ExportArgs, case: &Case, place: &str) -> Result<Ending, Failure> {
+fn lateral_landmarks(args: &ExportArgs, case: &Case) -> Result<Ending, Failure> {
     if args.posture.is_some() {
         return Err(Failure::usage("--posture is for frontal films only"));
     }
-    let file = export_lateral(case).map_err(|error| Failure::input(place, &error, error.help()))?;
+    let file = export_lateral(case)
+        .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
     write_landmarks(args, case, &[file])
 }
 
@@ -218,7 +219,7 @@ fn write_landmarks(
 fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {
     read_text(path).and_then(|text| parse_case_file(&text)).map_err(|error| match &error {
         FileError::Format { found, .. } if found == "spineline-model" => Failure::input(
-            &path.display().to_string(),
+            path.display(),
             &error,
             "landmarks belong to a case; export a model to mjcf, osim, sto, urdf, vtp or gltf",
         ),
@@ -237,15 +238,14 @@ fn read_sources(
     for film in case.films.iter().filter(|film| args.posture.is_none_or(|p| p == film.posture)) {
         if let Some(name) = file.source(film.posture).and_then(|source| source.file) {
             // A case may only name pictures in its own folder.
-            if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
+            if !is_beside(&name) {
                 let error =
                     format!("{} film: its `file` is outside the folder of the case", film.posture);
-                let place = args.file.display().to_string();
-                return Err(Failure::input(&place, &error, "put the picture beside the case file"));
+                let help = "put the picture beside the case file";
+                return Err(Failure::input(args.file.display(), error, help));
             }
-            let source = read_source(&folder.join(name)).map_err(|error| {
-                Failure::input(&args.file.display().to_string(), &error, error.help())
-            })?;
+            let source = read_source(&folder.join(name))
+                .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
             sources.insert(film.posture, source);
         }
     }

@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 use spineline::number::fixed;
-use spineline_films::intake::{IntakeLimits, Place, read};
-use spineline_films::{FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction};
+use spineline_films::{FilmFile, ModalityTransform, Voi, Window, WindowFunction};
 use spineline_marking::{judge_spacing, judge_view};
 use spineline_report::terminal::Lines;
 
 use crate::options::values::number;
 use crate::run::failure::{Ending, Failure};
-use crate::run::film_decoder::Decoder;
+use crate::run::film_decoder::{Decoder, film_bytes};
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, print, print_data};
 use crate::run::provenance::shown_name;
@@ -64,11 +63,10 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
     let decoder = Decoder::new()?;
     let mut ending = Ending::Done;
     for path in &args.files {
-        let film = match decode(&decoder, path)? {
+        let film = match decoder.decode(film_bytes(path)?) {
             Ok(film) => film,
             Err(error) => {
-                let place = path.display().to_string();
-                say(&Failure::input(&place, &error, error.help()));
+                say(&Failure::input(path.display(), &error, error.help()));
                 ending = Ending::BadInput;
                 continue;
             }
@@ -85,12 +83,6 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
     }
     outputs.commit_and_say()?;
     Ok(ending)
-}
-
-fn decode(decoder: &Decoder, path: &Path) -> Result<Result<FilmFile, FilmError>, Failure> {
-    let place = Place::File(path.to_owned());
-    let bytes = read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))?;
-    Ok(decoder.decode(bytes))
 }
 
 fn as_text(path: &Path, film: &FilmFile) -> Lines {

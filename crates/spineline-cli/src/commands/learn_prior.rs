@@ -60,7 +60,7 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
     let learned = learn_rotation_prior(&patients, SEED);
     let learned = learned.map_err(|error| {
         let help = "give the folders of more cases, each with an erect and a bending film";
-        Failure::input("the cohort", &error, help)
+        Failure::input("the cohort", error, help)
     })?;
     let films = FilmOrigin::of(patients.iter().map(CohortPatient::is_synthetic));
     let ids: Vec<String> = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
@@ -121,7 +121,7 @@ fn checked(
             "the case {} has a film that may not show what it is named after, so nothing is learned from it",
             source.case.id
         );
-        return Err(Failure::input(name, &text, "`spineline check` names the film"));
+        return Err(Failure::input(name, text, "`spineline check` names the film"));
     }
     Ok((patient, source.input))
 }

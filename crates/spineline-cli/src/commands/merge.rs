@@ -92,11 +92,7 @@ impl Part {
         let path = folder.join(LIST);
         if folder.is_dir() && !path.exists() {
             let help = "give folders that `spineline analyze --tables` has written";
-            return Err(Failure::input(
-                &folder.display().to_string(),
-                &"it has no provenance.json",
-                help,
-            ));
+            return Err(Failure::input(folder.display(), "it has no provenance.json", help));
         }
         let list = read_text(&path).and_then(|text| parse_provenance(&text));
         let list = list.map_err(|error| Failure::file(&path, &error))?;
@@ -122,13 +118,13 @@ impl Part {
             let what =
                 "it is not as the analysis wrote it (another SHA-256 than in provenance.json)";
             let help = "analyse this part again";
-            return Err(Failure::input(&path.display().to_string(), &what, help));
+            return Err(Failure::input(path.display(), what, help));
         }
         Ok(bytes)
     }
 
     fn refused(&self, what: &str, help: &str) -> Failure {
-        Failure::input(&self.folder.display().to_string(), &what, help)
+        Failure::input(self.folder.display(), what, help)
     }
 }
 
@@ -159,7 +155,7 @@ fn in_order(mut parts: Vec<Part>) -> Result<Vec<Part>, Failure> {
     let more = if missing.len() > 10 { ", …" } else { "" };
     Err(Failure::input(
         "the cohort",
-        &format!("{} missing: {shown}{more}", counted(missing.len(), "shard")),
+        format!("{} missing: {shown}{more}", counted(missing.len(), "shard")),
         "give the folders of all shards, or run `spineline analyze --shard` for the missing ones",
     ))
 }
@@ -214,13 +210,13 @@ fn check_cases(parts: &[Part]) -> Result<usize, Failure> {
 
 fn text_of(part: &Part, name: &str) -> Result<String, Failure> {
     String::from_utf8(part.table(name)?).map_err(|error| {
-        Failure::input(&part.path(name).display().to_string(), &error, "analyse this part again")
+        Failure::input(part.path(name).display(), error, "analyse this part again")
     })
 }
 
 fn failed(part: &Part, name: &str) -> impl Fn(MergeError) -> Failure {
-    let place = part.path(name).display().to_string();
-    move |error| Failure::input(&place, &error, "analyse this part again")
+    let place = part.path(name);
+    move |error| Failure::input(place.display(), error, "analyse this part again")
 }
 
 /// Writes one table of all parts.

@@ -92,7 +92,11 @@ impl Failure {
     }
 
     /// A file or its content cannot be used.
-    pub fn input(place: &str, error: &dyn fmt::Display, help: &str) -> Self {
+    pub fn input(
+        place: impl fmt::Display,
+        error: impl fmt::Display,
+        help: impl Into<String>,
+    ) -> Self {
         Self::files(format!("{place}: {error}"), help)
     }
 
@@ -123,7 +127,7 @@ impl Failure {
     pub fn landmarks(path: &Path, error: &LandmarkError) -> Self {
         match error {
             LandmarkError::File(error) => Self::file(path, error),
-            _ => Self::input(&path.display().to_string(), error, error.help()),
+            _ => Self::input(path.display(), error, error.help()),
         }
     }
 
@@ -132,13 +136,8 @@ impl Failure {
         Self::files(error.to_string(), error.help()).naming(path)
     }
 
-    /// Films that could not be found or read.
-    pub fn intake(error: &IntakeError) -> Self {
-        Self::files(error.to_string(), error.help())
-    }
-
-    fn files(what: String, help: &str) -> Self {
-        Self::new(FILES, what, Some(help.to_owned()))
+    fn files(what: String, help: impl Into<String>) -> Self {
+        Self::new(FILES, what, Some(help.into()))
     }
 
     /// With one more line on what went wrong.
@@ -184,6 +183,13 @@ const fn write_help(kind: ErrorKind) -> &'static str {
 impl From<TableError> for Failure {
     fn from(error: TableError) -> Self {
         Self::internal(error.to_string())
+    }
+}
+
+/// Films that could not be found or read.
+impl From<IntakeError> for Failure {
+    fn from(error: IntakeError) -> Self {
+        Self::files(error.to_string(), error.help())
     }
 }
 

@@ -1,7 +1,8 @@
 //! Radiographs are decoded in a child process with limits, because a hostile file may attack the decoder.
 
-use std::path::PathBuf;
+use std::path::{Component, Path, PathBuf};
 
+use spineline_films::intake::{IntakeError, IntakeLimits, Place, read};
 use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child};
 
 use super::failure::Failure;
@@ -22,4 +23,14 @@ impl Decoder {
     pub fn decode(&self, bytes: Vec<u8>) -> Result<FilmFile, FilmError> {
         decode_in_child(&self.program, &["decode-film"], bytes, &ChildLimits::default())
     }
+}
+
+/// The content of a film's file.
+pub fn film_bytes(path: &Path) -> Result<Vec<u8>, IntakeError> {
+    read(&Place::File(path.to_owned()), &IntakeLimits::default())
+}
+
+/// Whether a name stays in its folder: a case may only name pictures beside it.
+pub fn is_beside(name: impl AsRef<Path>) -> bool {
+    name.as_ref().components().all(|part| matches!(part, Component::Normal(_)))
 }

@@ -28,27 +28,22 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             files.push(path.clone());
             continue;
         }
-        let entries = fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(
-            |error| Failure::input(&path.display().to_string(), &error, "check the folder"),
-        )?;
+        let entries = fs::read_dir(path)
+            .and_then(Iterator::collect::<Result<Vec<_>, _>>)
+            .map_err(|error| Failure::input(path.display(), error, "check the folder"))?;
         let mut inside: Vec<PathBuf> = entries
             .into_iter()
             .map(|entry| entry.path())
             .filter(|file| file.extension().is_some_and(|e| e == "json"))
             .collect();
         if inside.is_empty() {
-            let place = path.display().to_string();
-            return Err(Failure::input(
-                &place,
-                &"no .json file in this folder",
-                "give a folder of case files",
-            ));
+            let help = "give a folder of case files";
+            return Err(Failure::input(path.display(), "no .json file in this folder", help));
         }
         // Reading a pipe could wait for ever; a pipe given by name is read.
         if let Some(odd) = inside.iter().find(|file| !file.is_file()) {
-            let place = odd.display().to_string();
             let help = "move it out of the folder, or give the files by name";
-            return Err(Failure::input(&place, &"it is not a plain file", help));
+            return Err(Failure::input(odd.display(), "it is not a plain file", help));
         }
         inside.sort();
         files.append(&mut without_outputs(path, inside)?);
@@ -74,7 +69,7 @@ fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, 
     if cases.is_empty() {
         let help = "give a folder of case files";
         let what = "no case file in this folder; this program wrote the files in it";
-        return Err(Failure::input(&folder.display().to_string(), &what, help));
+        return Err(Failure::input(folder.display(), what, help));
     }
     for (format, file) in &outputs {
         let format = format.as_deref().unwrap_or_default();
@@ -151,9 +146,8 @@ fn refuse_picture(path: &Path) -> Result<(), Failure> {
     if !is_picture {
         return Ok(());
     }
-    let name = path.display().to_string();
     let help = "make a case of the films first: `spineline import FOLDER --case-id ID --out DIR`; then mark them with `spineline serve DIR/case.json`";
-    Err(Failure::input(&name, &"it is a picture, and this command takes cases", help))
+    Err(Failure::input(path.display(), "it is a picture, and this command takes cases", help))
 }
 
 /// A text file that was read, by its name without its folder.
@@ -178,19 +172,15 @@ pub fn read_model(path: &Path) -> Result<StoredModel, Failure> {
     let stored = read_text(path).and_then(|text| parse_model(&text));
     let stored = stored.map_err(|error| match &error {
         FileError::Format { .. } => Failure::input(
-            &path.display().to_string(),
+            path.display(),
             &error,
             "this command takes a model; `spineline analyze CASE --model FILE` writes one",
         ),
         _ => Failure::file(path, &error),
     })?;
     if stored.model.spine.joints.is_empty() {
-        let place = path.display().to_string();
-        return Err(Failure::input(
-            &place,
-            &"the model has no joint",
-            "give a model of at least two vertebrae",
-        ));
+        let help = "give a model of at least two vertebrae";
+        return Err(Failure::input(path.display(), "the model has no joint", help));
     }
     Ok(stored)
 }

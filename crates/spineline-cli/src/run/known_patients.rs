@@ -29,7 +29,7 @@ impl KnownPatients {
             } else {
                 format!("the case {} was given already as {earlier}", case.id)
             };
-            return Err(Failure::input(place, &text, "give every case its own `case_id`"));
+            return Err(Failure::input(place, text, "give every case its own `case_id`"));
         }
         let readings: Vec<u64> = case.films.iter().flat_map(readings_of).collect();
         // The order of films and readings has no meaning.
@@ -38,7 +38,7 @@ impl KnownPatients {
         if let Some(earlier) = earlier.filter(|_| !readings.is_empty()) {
             let text = format!("the case {} has the films of the case {earlier}", case.id);
             let help = "a patient counts once: leave one of the two files out";
-            return Err(Failure::input(place, &text, help));
+            return Err(Failure::input(place, text, help));
         }
         Ok(())
     }

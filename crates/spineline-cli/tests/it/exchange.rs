@@ -1,17 +1,11 @@
 //! Landmarks of several readings, and of sets of pictures, into cases.
 
 use std::fs;
-use std::path::Path;
 
 use serde_json::{Value, json};
 
 use crate::maker::{EXPLICIT, Maker};
-use crate::program::{done, run};
-
-fn read(folder: &Path, name: &str) -> Value {
-    let text = fs::read_to_string(folder.join(name)).expect("it was written");
-    serde_json::from_str(&text).expect("JSON")
-}
+use crate::program::{done, json, run};
 
 /// An empty DICOM film, as large as the picture of a case says and with the same side to the left.
 fn film(image: &Value) -> Vec<u8> {
@@ -30,7 +24,7 @@ fn reports_of_several_readings_are_imported_together() {
     let here = tempfile::tempdir().expect("a place for files");
     let at = here.path();
     done(at, &["phantom", "--subject", "1", "--out", "p", "--noise", "2"]);
-    let mut case = read(at, "p/phantom-rod-01.json");
+    let mut case = json(&at.join("p/phantom-rod-01.json"));
     let erect = &mut case["films"][0];
     fs::write(at.join("p/erect.dcm"), film(&erect["image"])).expect("written");
     erect["image"]["file"] = "erect.dcm".into();
@@ -50,7 +44,7 @@ fn reports_of_several_readings_are_imported_together() {
     };
     let (_, error, code) = import("both", ["sr/erect-1.dcm", "sr/erect-2.dcm"]);
     assert_eq!(code, 0, "{error}");
-    let found = read(at, "both/case.json");
+    let found = json(&at.join("both/case.json"));
     let readings = found["films"][0]["readings"].as_array().expect("readings");
     let observers: Vec<&str> = readings.iter().filter_map(|one| one["observer"].as_str()).collect();
     assert_eq!(readings.len(), 2, "{found}");
@@ -100,7 +94,7 @@ fn sizes_of_a_set_of_pictures_are_read_from_the_pictures() {
     let (text, error, code) = run(at, &line);
     assert_eq!(code, 0, "{text}{error}");
     let size = |name: &str| {
-        let case = read(at, name);
+        let case = json(&at.join(name));
         let image = &case["films"][0]["image"];
         (image["columns"].as_u64(), image["rows"].as_u64())
     };

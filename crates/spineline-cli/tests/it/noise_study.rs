@@ -2,16 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
 
-use crate::program;
+use crate::program::done;
 use crate::results::results;
 
 type Row = BTreeMap<String, String>;
-
-fn run(folder: &Path, arguments: &[&str]) -> String {
-    program::done(folder, arguments)
-}
 
 fn rows(text: &str) -> Vec<Row> {
     let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
@@ -43,7 +38,7 @@ fn a_small_study_is_complete_and_does_not_depend_on_threads() {
         let few = ["--phantoms", "2", "--scenarios", "rod,flatten,pull", "--seed", "4"];
         let mut arguments = vec!["noise-study", "--out", out, "--threads", threads];
         arguments.extend(few);
-        run(here.path(), &arguments)
+        done(here.path(), &arguments)
     };
     let text = study("one", "1");
     study("two", "2");
@@ -83,7 +78,7 @@ fn a_small_study_is_complete_and_does_not_depend_on_threads() {
 #[test]
 fn a_study_without_rods_has_no_comparison_with_them() {
     let here = tempfile::tempdir().expect("a place for files");
-    run(here.path(), &["noise-study", "--phantoms", "2", "--scenarios", "random", "--out", "."]);
+    done(here.path(), &["noise-study", "--phantoms", "2", "--scenarios", "random", "--out", "."]);
     let rows = rows(&fs::read_to_string(here.path().join("noise-study.csv")).expect("written"));
     assert_eq!(rows.len(), 7 * 7);
     assert!(rows.iter().all(|row| row["rod_exceeds_near_share"].is_empty()));

@@ -6,25 +6,17 @@ use std::path::Path;
 use assert_cmd::Command;
 use serde_json::Value;
 use spineline_files::Content;
-use tempfile::TempDir;
 
-use crate::program::{CASE, finish, json, spineline};
+use crate::program::{CASE, finish, json, spineline, with_phantom};
 
 /// Standard output, standard error and exit code, at a fixed date.
 fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
     finish(spineline(folder).env("SOURCE_DATE_EPOCH", "1767323045").args(arguments))
 }
 
-fn folder_with_phantom() -> TempDir {
-    let here = tempfile::tempdir().expect("a place for files");
-    let (_, error, code) = run(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
-    assert_eq!(code, 0, "{error}");
-    here
-}
-
 #[test]
 fn an_analysis_is_repeated_from_its_file() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let at = |name: &str| here.path().join(name);
     let stiffness = run(here.path(), &["stiffness"]).0.replace("132.0", "131.9");
     fs::write(at("springs.json"), stiffness).expect("written");
@@ -70,7 +62,7 @@ fn an_analysis_is_repeated_from_its_file() {
 
 #[test]
 fn changes_are_listed_with_their_place_and_set_the_exit_code() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let path = here.path().join("a.json");
     // The case lies elsewhere, where only its whole path finds it.
     assert_eq!(run(here.path(), &["analyze", CASE, "--json", "a.json", "--full-paths"]).2, 0);
@@ -111,7 +103,7 @@ fn changes_are_listed_with_their_place_and_set_the_exit_code() {
 
 #[test]
 fn a_key_that_stands_twice_is_refused() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let path = here.path().join("a.json");
     assert_eq!(run(here.path(), &["analyze", CASE, "--json", "a.json"]).2, 0);
     let text = fs::read_to_string(&path).expect("an analysis");
@@ -134,7 +126,7 @@ fn a_key_that_stands_twice_is_refused() {
 
 #[test]
 fn a_report_with_another_printed_number_is_found() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     for name in ["r.html", "r.md"] {
         let path = here.path().join(name);
         assert_eq!(run(here.path(), &["report", CASE, "--out", name]).2, 0);
@@ -158,7 +150,7 @@ fn a_report_with_another_printed_number_is_found() {
 
 #[test]
 fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let (_, error, code) = run(here.path(), &["phantom", "--subject", "2", "--out", "cases"]);
     assert_eq!(code, 0, "{error}");
     let asked =
@@ -185,7 +177,7 @@ fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
 
 #[test]
 fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let analyse = |asked: &[&str]| run(here.path(), &[&["analyze"], asked].concat());
     assert_eq!(analyse(&[CASE, "--json", "a.json", "--fit", "ferguson"]).2, 0);
     let (of_case, _, _) = analyse(&[CASE]);
@@ -209,7 +201,7 @@ fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
 
 #[test]
 fn every_file_of_an_analysis_has_provenance() {
-    let here = folder_with_phantom();
+    let here = with_phantom(&[]);
     let outputs = [
         "analyze",
         CASE,

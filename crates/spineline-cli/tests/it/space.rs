@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, PediclePlace, Posture};
-use spineline::measure::{FilmLandmarks, Spacing};
+use spineline::measure::{Corners, FilmLandmarks, ImageGeometry};
 use spineline::multibody::{StiffnessLibrary, Support};
 use spineline::spatial::{Angle, Pixel};
 use spineline_files::{CaseFile, to_text};
@@ -39,9 +39,15 @@ fn coarse(mut case: Case) -> Case {
         place.column_px /= f64::from(COARSER);
         place.row_px /= f64::from(COARSER);
     };
-    let size = |columns: &mut u32, rows: &mut u32, spacing: &mut Option<Spacing>| {
-        (*columns, *rows) = (*columns / COARSER, *rows / COARSER);
-        let spacing = spacing.as_mut().expect("millimetres");
+    let body = |corners: Corners<Pixel>| {
+        corners.map(|mut corner| {
+            places(&mut corner);
+            corner
+        })
+    };
+    let size = |image: &mut ImageGeometry| {
+        (image.columns, image.rows) = (image.columns / COARSER, image.rows / COARSER);
+        let spacing = image.spacing.as_mut().expect("millimetres");
         spacing.column_mm *= f64::from(COARSER);
         spacing.row_mm *= f64::from(COARSER);
     };
@@ -49,29 +55,19 @@ fn coarse(mut case: Case) -> Case {
         let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
             panic!("a film with corners");
         };
-        size(&mut image.columns, &mut image.rows, &mut image.spacing);
+        size(image);
         for crest in iliac_crests.iter_mut().flat_map(|both| [&mut both.left, &mut both.right]) {
             places(crest);
         }
         for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-            landmark.corners = landmark.corners.map(|mut corner| {
-                places(&mut corner);
-                corner
-            });
+            landmark.corners = body(landmark.corners);
             landmark.pedicles.iter_mut().flatten().for_each(places);
         }
     }
     let film = case.lateral.as_mut().expect("a lateral film");
-    size(&mut film.columns, &mut film.rows, &mut film.spacing);
+    size(&mut film.image);
     for corners in film.readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        for place in [
-            &mut corners.superior_anterior,
-            &mut corners.superior_posterior,
-            &mut corners.inferior_anterior,
-            &mut corners.inferior_posterior,
-        ] {
-            places(place);
-        }
+        *corners = body(*corners);
     }
     case
 }
@@ -112,8 +108,8 @@ fn imported(here: &Path, case: &Case) {
         ]);
         arguments.push(name);
     }
-    picture(&here.join("side.png"), 200, [film.columns, film.rows]);
-    let spacing = film.spacing.expect("millimetres");
+    picture(&here.join("side.png"), 200, [film.image.columns, film.image.rows]);
+    let spacing = film.image.spacing.expect("millimetres");
     let spacing = format!("{},{},patient", spacing.column_mm, spacing.row_mm);
     arguments.push("side.png".into());
     arguments.extend(chosen);
@@ -121,7 +117,7 @@ fn imported(here: &Path, case: &Case) {
         "--lateral",
         "side.png",
         "--patient-anterior",
-        side(film.patient_anterior),
+        side(film.image.patient_left),
         "--patient-left",
         side(patient_left),
         "--spacing",

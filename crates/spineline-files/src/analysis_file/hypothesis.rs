@@ -10,6 +10,7 @@ use spineline::multibody::PathEnding;
 
 use super::band::BandRecord;
 use super::posture::ScaleRecord;
+use crate::text::finite;
 
 /// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -69,10 +70,6 @@ struct PredictionRecord {
     /// Absent for films to which the load was fitted.
     #[serde(skip_serializing_if = "Option::is_none")]
     band_95: Option<BandRecord>,
-}
-
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
 }
 
 impl HypothesisRecord {

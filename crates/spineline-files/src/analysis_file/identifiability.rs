@@ -7,6 +7,8 @@ use spineline::personalize::{
     StiffnessDirection,
 };
 
+use crate::text::finite;
+
 /// Identifiability of a model's multipliers from the bending films, in natural logarithms, at the scales of the films that were
 /// found before the fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -91,15 +93,11 @@ impl IdentifiabilityRecord {
 }
 
 fn information(one: &MultiplierInformation) -> InformationRecord {
-    let end = |end| match end {
-        ProfileEnd::At(log) => Some(f64::exp(log)),
-        ProfileEnd::Open | ProfileEnd::Lost(_) => None,
-    };
     InformationRecord {
         verdict: one.verdict().key().to_owned(),
         stiffness: one.stiffness.map(|found| found.log_mean.exp()),
-        interval_95: one.interval_95().map_or([None; 2], |ends| ends.map(end)),
-        interval_95_if_exact: [end(one.profile.lower), end(one.profile.upper)],
+        interval_95: one.interval_95().map_or([None; 2], |ends| ends.map(ProfileEnd::multiplier)),
+        interval_95_if_exact: [one.profile.lower, one.profile.upper].map(ProfileEnd::multiplier),
         log_sd: finite(one.log_sd),
         log_sd_with_prior: one.log_sd_with_prior.and_then(finite),
         profile: ProfileRecord {
@@ -107,8 +105,4 @@ fn information(one: &MultiplierInformation) -> InformationRecord {
             rise: one.profile.points.iter().map(|point| point.rise).collect(),
         },
     }
-}
-
-fn finite(value: f64) -> Option<f64> {
-    Some(value).filter(|value| value.is_finite())
 }

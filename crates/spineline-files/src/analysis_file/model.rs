@@ -12,6 +12,7 @@ use spineline::spatial::Angle;
 use super::identifiability::IdentifiabilityRecord;
 use super::points::{by_level, point};
 use super::posture::ScaleRecord;
+use crate::text::finite;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -137,7 +138,7 @@ impl ModelRecord {
                 status: m.fit.status.key().to_owned(),
                 iterations: m.fit.iterations,
                 starts: m.fit.starts,
-                residual_rms: Some(m.fit.residual_rms).filter(|rms| rms.is_finite()),
+                residual_rms: finite(m.fit.residual_rms),
                 singular_values: m.fit.singular_values.clone(),
             },
             identifiability: None,

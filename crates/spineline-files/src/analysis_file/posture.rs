@@ -13,6 +13,7 @@ use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
 
 use super::points::{by_level, point_mm, point_px};
+use crate::text::finite;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -190,7 +191,6 @@ struct LineComparisonRecord {
 
 impl BestFitLineRecord {
     fn new(found: &BestFitLine) -> Self {
-        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         Self {
             point_mm: [found.line.point.y_mm, found.line.point.z_mm],
             direction: [found.line.direction.y_mm, found.line.direction.z_mm],

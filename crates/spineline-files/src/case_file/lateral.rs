@@ -1,7 +1,8 @@
 //! The lateral film of a case: with the erect film it gives the sagittal profile.
 
 use serde::{Deserialize, Serialize};
-use spineline::measure::{LateralCorners, LateralFilm, Reading, ReadingId};
+use spineline::measure::{Corners, LateralFilm, Reading, ReadingId};
+use spineline::spatial::Pixel;
 
 use super::image::{FilmSource, LateralImageRecord, pair, pixel};
 use crate::FileError;
@@ -54,19 +55,12 @@ impl LateralRecord {
                 .map(|(level, corners)| (level, corners.corners()))
                 .collect(),
         });
-        Ok(LateralFilm {
-            columns: image.columns,
-            rows: image.rows,
-            spacing: image.spacing,
-            patient_anterior: image.patient_left,
-            simultaneous: self.simultaneous,
-            readings: readings.collect(),
-        })
+        Ok(LateralFilm { image, simultaneous: self.simultaneous, readings: readings.collect() })
     }
 
     pub fn of(film: &LateralFilm) -> Self {
         Self {
-            image: LateralImageRecord::of(&film.geometry()),
+            image: LateralImageRecord::of(&film.image),
             simultaneous: film.simultaneous,
             readings: film.readings.iter().map(LateralReadingRecord::of).collect(),
         }
@@ -82,7 +76,7 @@ impl LateralRecord {
 }
 
 impl LateralReadingRecord {
-    fn of(reading: &Reading<LateralCorners>) -> Self {
+    fn of(reading: &Reading<Corners<Pixel>>) -> Self {
         let vertebrae = reading.vertebrae.iter();
         Self {
             observer: reading.id.observer.clone(),
@@ -97,21 +91,21 @@ impl LateralReadingRecord {
 }
 
 impl LateralVertebraRecord {
-    fn corners(self) -> LateralCorners {
-        LateralCorners {
-            superior_anterior: pixel(self.superior_anterior),
-            superior_posterior: pixel(self.superior_posterior),
-            inferior_anterior: pixel(self.inferior_anterior),
-            inferior_posterior: pixel(self.inferior_posterior),
+    fn corners(self) -> Corners<Pixel> {
+        Corners {
+            superior_left: pixel(self.superior_anterior),
+            superior_right: pixel(self.superior_posterior),
+            inferior_left: pixel(self.inferior_anterior),
+            inferior_right: pixel(self.inferior_posterior),
         }
     }
 
-    fn of(corners: &LateralCorners) -> Self {
+    fn of(corners: &Corners<Pixel>) -> Self {
         Self {
-            superior_anterior: pair(corners.superior_anterior),
-            superior_posterior: pair(corners.superior_posterior),
-            inferior_anterior: pair(corners.inferior_anterior),
-            inferior_posterior: pair(corners.inferior_posterior),
+            superior_anterior: pair(corners.superior_left),
+            superior_posterior: pair(corners.superior_right),
+            inferior_anterior: pair(corners.inferior_left),
+            inferior_posterior: pair(corners.inferior_right),
         }
     }
 }

@@ -416,14 +416,14 @@ impl VertebraRecord {
         let placed = (self.location_mm, self.tilt_deg);
         match (corners, placed) {
             ([Some(sl), Some(sr), Some(il), Some(ir)], (None, None)) => {
-                let corners = corners_of([sl, sr, il, ir].map(pixel));
+                let corners = Corners::from([sl, sr, il, ir].map(pixel));
                 Some(Kind::Marked(VertebraLandmarks {
-                    origins: self.origins.map_or_else(Corners::default, corners_of),
+                    origins: self.origins.map_or_else(Corners::default, Corners::from),
                     walls: [self.left_wall, self.right_wall].map(|wall| wall.map(pixel)),
                     pedicles: [self.left_pedicle, self.right_pedicle]
                         .map(|pedicle| pedicle.map(pixel)),
                     axis_clockwise: self.axis_deg.map(Angle::from_deg),
-                    confidence: self.confidence.map(corners_of),
+                    confidence: self.confidence.map(Corners::from),
                     sd_share: self.sd_share,
                     ..VertebraLandmarks::clicked(corners)
                 }))
@@ -483,10 +483,4 @@ impl VertebraRecord {
 #[must_use]
 pub fn written_axis_deg(axis: Angle) -> f64 {
     (axis.deg() * 1e9).round() / 1e9
-}
-
-fn corners_of<P>(
-    [superior_left, superior_right, inferior_left, inferior_right]: [P; 4],
-) -> Corners<P> {
-    Corners { superior_left, superior_right, inferior_left, inferior_right }
 }

@@ -22,60 +22,44 @@ pub struct PlacedLoads {
 impl AppliedLoad {
     /// The load on one vertebra; `None` for gravity and rods.
     fn on_vertebra(&self) -> Option<(Level, BodyLoad)> {
-        let (level, load) = match self {
-            Self::ForceOnLine { level, force_n, point_mm, .. } => (
-                level,
-                BodyLoad::ForceOnLine {
-                    force_n: Vec3::from(*force_n),
-                    point_mm: Vec3::from(*point_mm),
-                },
-            ),
-            Self::ForceAtPoint { level, force_n, point_in_vertebra_mm, .. } => (
-                level,
-                BodyLoad::ForceAtPoint {
-                    force_n: Vec3::from(*force_n),
-                    point_in_vertebra_mm: Vec3::from(*point_in_vertebra_mm),
-                },
-            ),
-            Self::FollowerForce { level, force_in_vertebra_n, point_in_vertebra_mm, .. } => (
-                level,
-                BodyLoad::FollowerForce {
-                    force_in_vertebra_n: Vec3::from(*force_in_vertebra_n),
-                    point_in_vertebra_mm: Vec3::from(*point_in_vertebra_mm),
-                },
-            ),
-            Self::Moment { level, moment_nmm, .. } => {
-                (level, BodyLoad::Moment { moment_nmm: Vec3::from(*moment_nmm) })
+        let vec = |part: &[f64; 3]| Vec3::from(*part);
+        Some(match self {
+            Self::ForceOnLine { level, force_n, point_mm, .. } => {
+                (*level, BodyLoad::ForceOnLine { force_n: vec(force_n), point_mm: vec(point_mm) })
             }
-            Self::FollowerMoment { level, moment_in_vertebra_nmm, .. } => (
-                level,
-                BodyLoad::FollowerMoment {
-                    moment_in_vertebra_nmm: Vec3::from(*moment_in_vertebra_nmm),
-                },
-            ),
-            Self::Pad { level, point_in_vertebra_mm, direction, n_per_mm, advance_mm, .. } => (
-                level,
-                BodyLoad::Pad {
-                    point_in_vertebra_mm: Vec3::from(*point_in_vertebra_mm),
-                    direction: Vec3::from(*direction),
-                    n_per_mm: *n_per_mm,
-                    advance_mm: *advance_mm,
-                },
-            ),
+            Self::ForceAtPoint { level, force_n, point_in_vertebra_mm, .. } => {
+                let point_in_vertebra_mm = vec(point_in_vertebra_mm);
+                (*level, BodyLoad::ForceAtPoint { force_n: vec(force_n), point_in_vertebra_mm })
+            }
+            Self::FollowerForce { level, force_in_vertebra_n, point_in_vertebra_mm, .. } => {
+                let force_in_vertebra_n = vec(force_in_vertebra_n);
+                let point_in_vertebra_mm = vec(point_in_vertebra_mm);
+                (*level, BodyLoad::FollowerForce { force_in_vertebra_n, point_in_vertebra_mm })
+            }
+            Self::Moment { level, moment_nmm, .. } => {
+                (*level, BodyLoad::Moment { moment_nmm: vec(moment_nmm) })
+            }
+            Self::FollowerMoment { level, moment_in_vertebra_nmm, .. } => {
+                let moment_in_vertebra_nmm = vec(moment_in_vertebra_nmm);
+                (*level, BodyLoad::FollowerMoment { moment_in_vertebra_nmm })
+            }
+            Self::Pad { level, point_in_vertebra_mm, direction, n_per_mm, advance_mm, .. } => {
+                let [point_in_vertebra_mm, direction] = [point_in_vertebra_mm, direction].map(vec);
+                let (n_per_mm, advance_mm) = (*n_per_mm, *advance_mm);
+                let pad = BodyLoad::Pad { point_in_vertebra_mm, direction, n_per_mm, advance_mm };
+                (*level, pad)
+            }
             Self::Strap {
                 level, point_in_vertebra_mm, anchor_mm, n_per_mm, shortening_mm, ..
-            } => (
-                level,
-                BodyLoad::Strap {
-                    point_in_vertebra_mm: Vec3::from(*point_in_vertebra_mm),
-                    anchor_mm: Vec3::from(*anchor_mm),
-                    n_per_mm: *n_per_mm,
-                    shortening_mm: *shortening_mm,
-                },
-            ),
+            } => {
+                let [point_in_vertebra_mm, anchor_mm] = [point_in_vertebra_mm, anchor_mm].map(vec);
+                let (n_per_mm, shortening_mm) = (*n_per_mm, *shortening_mm);
+                let strap =
+                    BodyLoad::Strap { point_in_vertebra_mm, anchor_mm, n_per_mm, shortening_mm };
+                (*level, strap)
+            }
             Self::Gravity { .. } | Self::Rod { .. } => return None,
-        };
-        Some((*level, load))
+        })
     }
 }
 

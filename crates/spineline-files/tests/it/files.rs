@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    Corners, FilmLandmarks, LateralCorners, LateralFilm, Origin, Placement, PlacementSource,
+    Corners, FilmLandmarks, ImageGeometry, LateralFilm, Origin, Placement, PlacementSource,
     Reading, ReadingId, Spacing, SpacingPlane, SpacingSource,
 };
 use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
@@ -89,7 +89,7 @@ fn a_shape_of_pixels_round_trips_and_does_not_stand_beside_a_spacing() {
     let of = |image: &str| parse_case(&text(image));
     let case = of(r#""pixel_aspect": 0.5, "#).expect("a case");
     let FilmLandmarks::Corners { image, .. } = &case.films[0].landmarks else { panic!("corners") };
-    let lateral = case.lateral.as_ref().expect("a lateral film").geometry();
+    let lateral = case.lateral.as_ref().expect("a lateral film").image;
     for image in [*image, lateral] {
         assert_eq!(image.spacing.map(|spacing| spacing.aspect()), Some(0.5));
         assert_eq!(image.scale(), None);
@@ -164,17 +164,19 @@ fn spacing_provenance_picture_file_and_lateral_film_round_trip() {
             FilmLandmarks::Placements { .. } => panic!("phantoms have landmarks"),
         }
     }
-    let corners = LateralCorners {
-        superior_anterior: Pixel::new(100.0, 200.0),
-        superior_posterior: Pixel::new(400.0, 210.5),
-        inferior_anterior: Pixel::new(90.0, 400.0),
-        inferior_posterior: Pixel::new(395.25, 405.0),
+    let corners = Corners {
+        superior_left: Pixel::new(100.0, 200.0),
+        superior_right: Pixel::new(400.0, 210.5),
+        inferior_left: Pixel::new(90.0, 400.0),
+        inferior_right: Pixel::new(395.25, 405.0),
     };
     case.lateral = Some(LateralFilm {
-        columns: 2000,
-        rows: 4000,
-        spacing: Some(Spacing::stated(0.1, 0.2, SpacingPlane::Unknown)),
-        patient_anterior: ImageSide::Right,
+        image: ImageGeometry {
+            columns: 2000,
+            rows: 4000,
+            spacing: Some(Spacing::stated(0.1, 0.2, SpacingPlane::Unknown)),
+            patient_left: ImageSide::Right,
+        },
         simultaneous: true,
         readings: vec![Reading {
             id: ReadingId::new("A", 2),

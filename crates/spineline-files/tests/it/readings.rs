@@ -1,6 +1,6 @@
 //! Tables of readings: valid ones are read, and errors name the line.
 
-use spineline::reliability::{Icc, StatisticKind, Undefined, assess};
+use spineline::reliability::{StatisticKind, Undefined, assess};
 use spineline_files::{FileError, parse_readings};
 
 const HEADING: &str = "quantity,unit,subject,observer,repeat,value\n";
@@ -20,7 +20,7 @@ fn byte_order_marks_line_ends_and_any_order_of_columns_are_read() {
     assert!(parse_readings(made_up).expect("a table").synthetic);
     let found = assess(&plain.quantities[0]);
     // Row means 2.75 and 4.25, differences 0.5 both: no scatter is left beside the offset.
-    let icc = found.designs[0].statistic(StatisticKind::Icc(Icc::ConsistencySingle));
+    let icc = found.designs[0].statistic(StatisticKind::IccConsistency);
     assert_eq!(icc.map(|estimate| estimate.value), Ok(1.0));
     assert_eq!(found.designs[1].statistic(StatisticKind::Pearson), Err(Undefined::OneRepeat));
 }

@@ -1,5 +1,3 @@
-use std::fmt;
-
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::clinical::largest_tilt_difference;
 use spineline::measure::{FilmLandmarks, ImageGeometry, MeasureError, TiltRule, measure_film};
@@ -22,26 +20,19 @@ pub enum AasceVerdict {
 }
 
 /// A finding on a film's landmarks.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AasceFault {
     /// No vertebra can be measured.
+    #[error("{0}")]
     Marks(MeasureError),
     /// Two neighbours are so near or far, for this spine, that one may be doubled or skipped.
+    #[error("{message}")]
     Spacing {
         /// The upper one.
         superior: Level,
         /// Description.
         message: String,
     },
-}
-
-impl fmt::Display for AasceFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Marks(error) => error.fmt(f),
-            Self::Spacing { message, .. } => f.write_str(message),
-        }
-    }
 }
 
 /// Judges a film of the set by the checks that every film of a case goes through, and computes its main angle if it is clean.

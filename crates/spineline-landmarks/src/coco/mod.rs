@@ -32,17 +32,12 @@ struct Origins {
 
 impl From<[Origin; 4]> for Origins {
     fn from(origins: [Origin; 4]) -> Self {
-        let [
-            superior_left_origin,
-            superior_right_origin,
-            inferior_left_origin,
-            inferior_right_origin,
-        ] = origins.map(|origin| Some(origin.key().to_owned()));
+        let key = |place: usize| Some(origins[place].key().to_owned());
         Self {
-            superior_left_origin,
-            superior_right_origin,
-            inferior_left_origin,
-            inferior_right_origin,
+            superior_left_origin: key(0),
+            superior_right_origin: key(1),
+            inferior_left_origin: key(2),
+            inferior_right_origin: key(3),
         }
     }
 }

@@ -1,4 +1,5 @@
-use spineline::measure::{LateralCorners, LateralFilm, Reading};
+use spineline::measure::{Corners, LateralFilm, Reading};
+use spineline::spatial::Pixel;
 
 use super::columns::View;
 use super::read::parse;
@@ -6,42 +7,21 @@ use super::write::{cells, start};
 use super::{LATERAL_CORNERS, OBSERVER, REPEAT, VERTEBRA};
 use crate::{LandmarkError, LandmarkExportError, LandmarkHint, LandmarkReadings};
 
-/// Reads the readings of a lateral film from the bytes of its table.
+/// Reads the readings of a lateral film from the bytes of its table, with the front in place of the left.
 ///
 /// # Errors
 /// [`LandmarkError`], as [`parse_csv`](super::parse_csv).
 pub fn parse_lateral_csv(
     bytes: &[u8],
     hint: &LandmarkHint,
-) -> Result<Vec<Reading<LateralCorners>>, LandmarkError> {
-    // The front is in place of the left of a frontal table.
+) -> Result<Vec<Reading<Corners<Pixel>>>, LandmarkError> {
     let file = parse(bytes, hint, View::Lateral)?;
     let mut readings = Vec::new();
     for film in file.films {
         let LandmarkReadings::Corners(found) = film.landmarks else { continue };
-        readings.extend(found.into_iter().map(|reading| {
-            Reading {
-                id: reading.id,
-                vertebrae: reading
-                    .vertebrae
-                    .into_iter()
-                    .map(|(level, landmark)| {
-                        let [
-                            superior_anterior,
-                            superior_posterior,
-                            inferior_anterior,
-                            inferior_posterior,
-                        ] = landmark.corners.points();
-                        let corners = LateralCorners {
-                            superior_anterior,
-                            superior_posterior,
-                            inferior_anterior,
-                            inferior_posterior,
-                        };
-                        (level, corners)
-                    })
-                    .collect(),
-            }
+        readings.extend(found.into_iter().map(|Reading { id, vertebrae }| {
+            let corners = vertebrae.into_iter().map(|(level, landmark)| (level, landmark.corners));
+            Reading { id, vertebrae: corners.collect() }
         }));
     }
     Ok(readings)
@@ -53,13 +33,8 @@ pub fn rows(film: &LateralFilm) -> Result<Vec<Vec<String>>, LandmarkExportError>
     let mut rows = vec![heading.map(str::to_owned).collect()];
     for reading in &film.readings {
         for (level, corners) in &reading.vertebrae {
-            let places = [
-                corners.superior_anterior,
-                corners.superior_posterior,
-                corners.inferior_anterior,
-                corners.inferior_posterior,
-            ];
-            rows.push(start(reading, level.name())?.into_iter().chain(cells(places)).collect());
+            let start = start(reading, level.name())?;
+            rows.push(start.into_iter().chain(cells(corners.points())).collect());
         }
     }
     if rows.len() == 1 {

@@ -217,7 +217,7 @@ impl Table<'_> {
             walls: self.sides(record, line, self.columns.walls, WALLS)?,
             pedicles: self.sides(record, line, self.columns.pedicles, PEDICLES)?,
             sd_share: self.sd_share(record, line)?,
-            ..VertebraLandmarks::clicked(in_order(points))
+            ..VertebraLandmarks::clicked(points.into())
         })
     }
 
@@ -236,7 +236,7 @@ impl Table<'_> {
             let value = self.number(record, columns[i], line, CONFIDENCES[i])?;
             values[i] = confidence(value, &place(line, CONFIDENCES[i]))?;
         }
-        Ok(Some(in_order(values)))
+        Ok(Some(values.into()))
     }
 
     /// The origins of a row; a corner without one is clicked.
@@ -248,7 +248,7 @@ impl Table<'_> {
                 origins[i] = origin(cell, &place(line, ORIGINS[i]))?;
             }
         }
-        Ok(in_order(origins))
+        Ok(origins.into())
     }
 
     /// The left and the right place of a row in these columns, each with both coordinates or none.
@@ -472,13 +472,6 @@ impl Table<'_> {
             remarks: passed_over.into_iter().collect(),
         })
     }
-}
-
-/// Corners from values in the order of the columns.
-fn in_order<T>(
-    [superior_left, superior_right, inferior_left, inferior_right]: [T; 4],
-) -> Corners<T> {
-    Corners { superior_left, superior_right, inferior_left, inferior_right }
 }
 
 fn readings<T>(rows: BTreeMap<ReadingId, BTreeMap<Level, (T, u64)>>) -> Vec<Reading<T>> {

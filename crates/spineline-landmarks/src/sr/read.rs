@@ -135,11 +135,9 @@ impl Report {
             at: at.to_owned(),
             what: "a site that is a vertebra from T1 to L5".to_owned(),
         })?;
-        let [superior_left, superior_right, inferior_left, inferior_right] =
-            corners(items, codes::TILT, at)?;
-        let corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
+        let clicked =
+            VertebraLandmarks::clicked(Corners::from(corners::<4>(items, codes::TILT, at)?));
         let axis_clockwise = axis(items, at)?;
-        let clicked = VertebraLandmarks::clicked(corners);
         let landmarks =
             VertebraLandmarks { axis_clockwise, origins: origins(items, at)?, ..clicked };
         match self.vertebrae.insert(level, landmarks) {

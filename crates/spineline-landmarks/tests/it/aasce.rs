@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use spineline::analysis::{AnalysisOptions, Case, Subject, analyze, check_repeated};
+use spineline::analysis::{AnalysisOptions, Case, analyze, check_repeated};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{Film, FilmLandmarks, ImageGeometry, judge_landmarks};
 use spineline::spatial::Pixel;
@@ -292,14 +292,7 @@ fn cobb_angles_by_endplates_are_about_one_degree_above_those_of_the_data_set() {
         let image = ImageGeometry { columns, rows, spacing: None, patient_left: ImageSide::Right };
         let landmarks =
             FilmLandmarks::Corners { image, iliac_crests: None, readings: readings.clone() };
-        let film = Film::new(Posture::Erect, landmarks);
-        let case = Case {
-            id: "aasce".to_owned(),
-            synthetic: false,
-            subject: Subject::default(),
-            films: vec![film],
-            lateral: None,
-        };
+        let case = Case::of_films("aasce", vec![Film::new(Posture::Erect, landmarks)]);
         let Ok(analysis) = analyze(&case, &AnalysisOptions::default()) else { continue };
         if let (AasceVerdict::Clean { .. }, Some(curve)) = (clean, analysis.movement.main_curve()) {
             off.push(curve.erect_size().abs().deg() - main[row.row]);

@@ -3,38 +3,18 @@
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use spineline::action::LineOfAction;
-use spineline::analysis::analyze;
-use spineline::anatomy::{Levels, Posture};
-use spineline::clinical::Regions;
+use spineline::anatomy::Levels;
 use spineline::measure::{Noise, Outline};
-use spineline::multibody::{
-    FittedSprings, JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
-};
-use spineline::personalize::evidence::FilmEvidence;
+use spineline::multibody::{JointGroups, Support};
 use spineline::personalize::{
-    FitFilm, FitSettings, FitTarget, Gauge, Identifiability, LogNormalPrior, Personalization,
-    ProfileEnd, identify, personalize,
+    FitSettings, Identifiability, LogNormalPrior, Personalization, ProfileEnd, identify,
 };
 use spineline::spatial::{Angle, Frontal};
-use spineline_phantom::{Readers, Scenario, generate};
 
-struct Patient {
-    erect: Outline,
-    model: SpineModel,
-    regions: Regions,
-    library: StiffnessLibrary,
-}
+use crate::exact_model::Patient;
 
 fn patient() -> Patient {
-    let phantom = generate(0, Scenario::Bend, &Readers::exact(), 1).expect("18 subjects");
-    let analysis = analyze(&phantom.case, &Default::default()).expect("a sound case");
-    Patient {
-        erect: analysis.movement.erect().outline.clone(),
-        model: analysis.movement.spine,
-        regions: analysis.movement.regions,
-        library: StiffnessLibrary::default(),
-    }
+    crate::exact_model::patient(0)
 }
 
 /// Request for a fit.
@@ -57,59 +37,34 @@ impl Asked {
 }
 
 impl Patient {
-    fn line(&self) -> LineOfAction {
-        let apex = self.erect.vertebrae[self.regions.bounds[1].apex].location;
-        LineOfAction::leaning(Frontal::new(-0.8 * apex.y_mm, apex.z_mm), Angle::from_deg(7.0))
-    }
-
-    /// A film of the model under a force, as a reader with independent normal errors marks it.
-    fn film(&self, posture: Posture, asked: &Asked, load: &Load, force_n: f64) -> Outline {
-        let mut solution = Solution::default();
-        let statics =
-            Statics::new(&self.model, &self.library, &asked.groups, &asked.logs, asked.support);
-        statics.solve(load, &[force_n], &[], &mut solution);
-        assert!(solution.converged);
+    /// A film as a reader with independent normal errors marks it.
+    fn read(&self, exact: Outline, asked: &Asked) -> Outline {
         let mut rng = ChaCha12Rng::seed_from_u64(asked.seed);
-        rng.set_stream(posture as u64);
+        rng.set_stream(exact.posture as u64);
         let mut normal = || asked.noise * Distribution::<f64>::sample(&StandardNormal, &mut rng);
-        let mut film = self.erect.clone();
-        film.posture = posture;
+        let mut film = exact;
+        film.vertebrae[0] = self.erect.vertebrae[0];
         let noise = film.noise;
-        for (i, vertebra) in film.vertebrae.iter_mut().enumerate().skip(1) {
+        for vertebra in film.vertebrae.iter_mut().skip(1) {
             let off = Frontal::new(normal(), normal()) * noise.location_mm;
-            vertebra.location = solution.deformed.location(i) + off;
-            vertebra.tilt = solution.deformed.tilt(i) + noise.tilt * normal();
+            vertebra.location = vertebra.location + off;
+            vertebra.tilt = vertebra.tilt + noise.tilt * normal();
         }
         film
     }
 
     fn ask(&self, asked: &Asked) -> (Personalization, Identifiability) {
-        let load = Load::along(self.line(), 8.0);
-        let films = [
-            self.film(Posture::LeftBending, asked, &load, 55.0),
-            self.film(Posture::RightBending, asked, &load, -40.0),
-        ];
-        let evidence = films
-            .each_ref()
-            .map(|outline| FilmEvidence::measure(&self.model, &self.library, &self.erect, outline));
-        let film = |(outline, evidence)| FitFilm { outline, evidence, load };
-        let films: Vec<FitFilm<'_>> = films.iter().zip(&evidence).map(film).collect();
-        let settings = FitSettings {
-            regions: &self.regions,
-            target: FitTarget::Shape,
-            gauge: Gauge::GeometricMean,
-            support: asked.support,
-            prior: asked.prior,
-            hints: &[],
-        };
+        let films = self.films(&asked.groups, &asked.logs, asked.support);
+        let films = films.map(|film| self.read(film, asked));
         // The model is exact: its film has no errors.
         let exact = Noise { location_mm: 0.0, tilt: Angle::ZERO, tilt_degrees_of_freedom: None };
-        let erect = &Outline { noise: exact, ..self.erect.clone() };
-        let (model, library) = (&self.model, &self.library);
-        let springs = FittedSprings { model, erect, library, groups: &asked.groups };
-        let fit = personalize(springs, &films, &settings, None);
-        let found = identify(&springs, &films, &settings, &fit).expect("the fit converged");
-        (fit, found)
+        let erect = Outline { noise: exact, ..self.erect.clone() };
+        let settings =
+            FitSettings { support: asked.support, prior: asked.prior, ..self.settings() };
+        self.fitted(&films, &erect, &asked.groups, &settings, |springs, films, fit| {
+            let found = identify(springs, films, &settings, &fit).expect("the fit converged");
+            (fit, found)
+        })
     }
 }
 

@@ -2,91 +2,22 @@
 //!
 //! The model is exact here, unlike on films of a phantom, so everything must be found to the minimiser's precision.
 
-use spineline::action::LineOfAction;
-use spineline::analysis::analyze;
-use spineline::anatomy::{Levels, Posture};
-use spineline::clinical::Regions;
-use spineline::measure::Outline;
-use spineline::multibody::{
-    FittedSprings, JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
-};
-use spineline::personalize::evidence::FilmEvidence;
-use spineline::personalize::{
-    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, StiffnessBound, personalize,
-};
-use spineline::spatial::{Angle, Frontal};
-use spineline_phantom::{Readers, Scenario, generate};
+use spineline::anatomy::Levels;
+use spineline::multibody::{JointGroups, Support};
+use spineline::personalize::{FitSettings, FitStatus, FitTarget, StiffnessBound};
+
+use crate::exact_model::{FORCES_N, Patient, patient};
 
 /// Relative: at a residual of zero the minimiser converges quadratically, far below this.
 const MULTIPLIER: f64 = 1e-6;
 
-struct Patient {
-    erect: Outline,
-    model: SpineModel,
-    regions: Regions,
-    library: StiffnessLibrary,
-    depth_mm: f64,
-}
-
-fn patient(index: usize) -> Patient {
-    let phantom = generate(index, Scenario::Bend, &Readers::exact(), 1).expect("18 subjects");
-    let analysis = analyze(&phantom.case, &Default::default()).expect("a sound case");
-    Patient {
-        erect: analysis.movement.erect().outline.clone(),
-        model: analysis.movement.spine,
-        regions: analysis.movement.regions,
-        library: StiffnessLibrary::default(),
-        depth_mm: 8.0,
-    }
-}
-
 impl Patient {
-    /// A line away from most joints, so that the force turns nearly all of them.
-    fn line(&self) -> LineOfAction {
-        let apex = self.erect.vertebrae[self.regions.bounds[1].apex].location;
-        LineOfAction::leaning(Frontal::new(-0.8 * apex.y_mm, apex.z_mm), Angle::from_deg(7.0))
-    }
-
-    /// The film of a perfect reader of the model under a force.
-    fn film(&self, posture: Posture, statics: &Statics<'_>, load: &Load, force_n: f64) -> Outline {
-        let mut solution = Solution::default();
-        statics.solve(load, &[force_n], &[], &mut solution);
-        assert!(solution.converged);
-        let mut film = self.erect.clone();
-        film.posture = posture;
-        for (i, vertebra) in film.vertebrae.iter_mut().enumerate() {
-            vertebra.location = solution.deformed.location(i);
-            vertebra.tilt = solution.deformed.tilt(i);
-        }
-        film
-    }
-
     fn check(&self, groups: &JointGroups, logs: &[f64], support: Support, target: FitTarget) {
         let mean: f64 = logs.iter().sum::<f64>() / logs.len() as f64;
         let logs: Vec<f64> = logs.iter().map(|log| log - mean).collect();
-        let statics = Statics::new(&self.model, &self.library, groups, &logs, support);
-        let load = Load::along(self.line(), self.depth_mm);
-        let forces_n = [55.0, -40.0];
-        let films = [
-            self.film(Posture::LeftBending, &statics, &load, forces_n[0]),
-            self.film(Posture::RightBending, &statics, &load, forces_n[1]),
-        ];
-        let evidence = films
-            .each_ref()
-            .map(|outline| FilmEvidence::measure(&self.model, &self.library, &self.erect, outline));
-        let film = |(outline, evidence)| FitFilm { outline, evidence, load };
-        let films: Vec<FitFilm<'_>> = films.iter().zip(&evidence).map(film).collect();
-        let settings = FitSettings {
-            regions: &self.regions,
-            target,
-            gauge: Gauge::GeometricMean,
-            support,
-            prior: None,
-            hints: &[],
-        };
-        let (model, erect) = (&self.model, &self.erect);
-        let springs = FittedSprings { model, erect, library: &self.library, groups };
-        let fit = personalize(springs, &films, &settings, None);
+        let films = self.films(groups, &logs, support);
+        let settings = FitSettings { target, support, ..self.settings() };
+        let fit = self.fitted(&films, &self.erect, groups, &settings, |_, _, fit| fit);
         let what = format!("{support:?}, {target:?}, {} groups", groups.len());
         assert_eq!(fit.status, FitStatus::Converged, "{what}");
         assert!(fit.bounds.iter().all(|&bound| bound == StiffnessBound::Inside), "{what}");
@@ -99,7 +30,7 @@ impl Patient {
                 fit.singular_values
             );
         }
-        for (found, truth) in fit.loads.iter().zip(forces_n) {
+        for (found, truth) in fit.loads.iter().zip(FORCES_N) {
             let off = (found[0] / truth - 1.0).abs();
             assert!(off <= MULTIPLIER, "{what}: force {} instead of {truth}", found[0]);
         }

@@ -4,6 +4,7 @@
 
 mod baselines;
 mod counter_examples;
+mod exact_model;
 mod film_doubts;
 mod hypotheses;
 mod identifiability;

@@ -90,9 +90,8 @@ impl ModelRow {
 
     /// Mean location errors on fitted bends, on bends left out and on held-out films, of the patient at a place of the cohort.
     fn errors(&self, cohort: &Cohort, place: usize) -> [String; 3] {
-        let bends = cohort.compared.errors.iter();
-        let mut bends = bends.filter(|e| e.role == FilmRole::LeftOutBend && e.kind == self.kind);
-        let mean = bends.next().and_then(|errors| errors.by_patient_mm.get(place));
+        let bends = cohort.compared.of_line(self.kind, FilmRole::LeftOutBend);
+        let mean = bends.and_then(|errors| errors.by_patient_mm.get(place));
         let left_out = mean.copied().filter(|mean| !mean.is_nan());
         [self.fitted_mm, left_out, self.held_out_mm]
             .map(|error| error.map_or_else(none, |error| fixed(error, 1)))

@@ -1,10 +1,7 @@
 //! Errors of the models over a cohort, by kind of film, and every test between the lines.
 
-use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
-use spineline::cohort::{
-    Clustered, Cohort, ErrorKind, ErrorStatistics, LinePairTest, MissingResult,
-};
+use spineline::cohort::{Cohort, ErrorKind, LinePairTest, MissingResult, RoleErrors};
 use spineline::number::{p_value, with_sd};
 
 use super::movement::tested;
@@ -18,69 +15,33 @@ const NO_MODEL: &str = "No patient has a personalised model.";
 /// Figure 8 of the paper and its numbers, once per kind of film.
 pub fn by_kind_of_film(cohort: &Cohort) -> Section {
     let mut section = Section::new("errors", "Errors of the models");
-    if cohort.lines.is_empty() {
+    if cohort.compared.errors.is_empty() {
         section.paragraph(NO_MODEL);
         return section;
     }
     section.heading("Fitted films");
     section.paragraph(FITTED);
-    let lines = cohort.lines.iter().map(|line| LineErrors::of(line.kind, &line.fitted));
-    kind_of_film(&mut section, cohort, "fitted", "bending films, fitted", lines.collect());
+    kind_of_film(&mut section, cohort, "fitted", "bending films, fitted", FilmRole::Fitted);
     section.heading("Bends left out of the fit in turn");
     section.paragraph(LEFT_OUT);
-    kind_of_film(&mut section, cohort, "left-out", "bending films, left out", left_out(cohort));
+    let films = "bending films, left out";
+    kind_of_film(&mut section, cohort, "left-out", films, FilmRole::LeftOutBend);
     section.heading("Held-out films");
     section.paragraph(HELD_OUT);
     let films = "neutral and traction films, held out";
-    let lines = cohort.lines.iter().map(|line| LineErrors::of(line.kind, &line.held_out));
-    kind_of_film(&mut section, cohort, "held-out", films, lines.collect());
+    kind_of_film(&mut section, cohort, "held-out", films, FilmRole::HeldOut);
     section
 }
 
-/// Errors of one line over films of one kind.
-struct LineErrors<'a> {
-    kind: LineKind,
-    location_mm: &'a Clustered,
-    all_location_mm: &'a [f64],
-    ferguson_deg: &'a Clustered,
-    /// Films of this kind that do not count.
-    without: usize,
-}
-
-impl<'a> LineErrors<'a> {
-    fn of(kind: LineKind, errors: &'a ErrorStatistics) -> Self {
-        let ErrorStatistics { ferguson_deg, location_mm, all_location_mm, unusable } = errors;
-        Self { kind, location_mm, all_location_mm, ferguson_deg, without: *unusable }
-    }
-}
-
-fn left_out(cohort: &Cohort) -> Vec<LineErrors<'_>> {
-    let bends = cohort.compared.errors.iter().filter(|e| e.role == FilmRole::LeftOutBend);
-    bends
-        .map(|errors| LineErrors {
-            kind: errors.kind,
-            location_mm: &errors.location_mm,
-            all_location_mm: &errors.all_location_mm,
-            ferguson_deg: &errors.ferguson_deg,
-            without: errors.without_result,
-        })
-        .collect()
-}
-
-fn kind_of_film(
-    section: &mut Section,
-    cohort: &Cohort,
-    name: &str,
-    films: &str,
-    lines: Vec<LineErrors<'_>>,
-) {
+fn kind_of_film(section: &mut Section, cohort: &Cohort, name: &str, films: &str, role: FilmRole) {
     let group = if cohort.synthetic { "all patients (synthetic)" } else { "all patients" };
-    let samples: Vec<LocationErrorSample> = lines
-        .iter()
-        .map(|line| LocationErrorSample {
+    let samples: Vec<LocationErrorSample> = cohort
+        .compared
+        .of_role(role)
+        .map(|errors| LocationErrorSample {
             group: group.to_owned(),
-            line: line.kind,
-            errors_mm: line.all_location_mm.to_vec(),
+            line: errors.kind,
+            errors_mm: errors.all_location_mm.clone(),
             paper: None,
         })
         .collect();
@@ -100,10 +61,15 @@ fn kind_of_film(
         Column::numbers("Films without a result"),
     ];
     let mut table = Table::new(format!("Errors on {films}"), columns);
-    for LineErrors { kind, location_mm, ferguson_deg, without, .. } in lines {
+    for errors in cohort.compared.of_role(role) {
+        let RoleErrors { location_mm, ferguson_deg, .. } = errors;
         let pooled = location_mm.pooled;
+        let without = match role {
+            FilmRole::LeftOutBend => errors.without_result,
+            FilmRole::Fitted | FilmRole::HeldOut => errors.unusable,
+        };
         table.row(vec![
-            kind.to_string(),
+            errors.kind.to_string(),
             location_mm.patients.n.to_string(),
             pooled.n.to_string(),
             if pooled.n > 0 { with_sd(pooled.mean, pooled.sd, 2) } else { none() },
@@ -118,7 +84,7 @@ fn kind_of_film(
 /// The paper's pooled tests, tests over patients, and the lines on the same films.
 pub fn tests(cohort: &Cohort) -> Section {
     let mut section = Section::new("tests", "Hypothesis tests");
-    if cohort.lines.is_empty() {
+    if cohort.compared.errors.is_empty() {
         section.paragraph(NO_MODEL);
         return section;
     }

@@ -1,6 +1,6 @@
 //! Rotations of segments over a cohort, with table 2 of the paper.
 
-use spineline::cohort::{Clustered, Cohort, PairedComparison};
+use spineline::cohort::{Cohort, PairedComparison};
 use spineline::number::with_sd;
 
 use crate::document::{Column, Figure, Section, Table};
@@ -38,32 +38,27 @@ pub fn section(cohort: &Cohort) -> Section {
 }
 
 fn rotations(cohort: &Cohort) -> Table {
-    let columns = vec![
-        Column::words("Quantity"),
-        Column::numbers("Values"),
-        Column::numbers("Mean ± sd, pooled"),
-        Column::words("Mean over patients (95 %)"),
-    ];
-    let mut table = Table::new("Curves and rotations", columns);
-    let mut add = |name: &str, of: Clustered, places: usize| {
-        if of.pooled.n > 0 {
-            table.row(vec![
-                name.to_owned(),
-                of.pooled.n.to_string(),
-                with_sd(of.pooled.mean, of.pooled.sd, places),
-                with_interval(of.patients.mean, of.bootstrap, places),
-            ]);
-        }
-    };
-    add("Residual of the curve's locations (mm)", cohort.rmse_mm, 2);
-    add("Residual of the curve's tilts (°)", cohort.rmse_deg, 2);
-    add("Rotation of all segments (°)", cohort.rotation_deg, 4);
-    add("Rotation of the least-rotating segments (°)", cohort.least_rotation_deg, 5);
-    add("Rotation of the inflection segments (°)", cohort.inflection[0].rotation_deg, 4);
     let inflections = &cohort.inflection[0];
-    add("Inflections to the least-rotating segments (segments)", inflections.distance_segments, 1);
-    add("Inflections to the least-rotating segments (mm)", inflections.distance_mm, 2);
-    table
+    let rows = [
+        ("Residual of the curve's locations (mm)", cohort.rmse_mm, 2),
+        ("Residual of the curve's tilts (°)", cohort.rmse_deg, 2),
+        ("Rotation of all segments (°)", cohort.rotation_deg, 4),
+        ("Rotation of the least-rotating segments (°)", cohort.least_rotation_deg, 5),
+        ("Rotation of the inflection segments (°)", inflections.rotation_deg, 4),
+        ("Inflections to the least-rotating segments (segments)", inflections.distance_segments, 1),
+        ("Inflections to the least-rotating segments (mm)", inflections.distance_mm, 2),
+    ];
+    let rows = rows.into_iter().filter(|(_, of, _)| of.pooled.n > 0);
+    Table::of("Curves and rotations", rows, |add| {
+        add.words("Quantity", |(name, ..)| *name);
+        add.numbers("Values", |(_, of, _)| of.pooled.n.to_string());
+        add.numbers("Mean ± sd, pooled", |(_, of, places)| {
+            with_sd(of.pooled.mean, of.pooled.sd, *places)
+        });
+        add.words("Mean over patients (95 %)", |(_, of, places)| {
+            with_interval(of.patients.mean, of.bootstrap, *places)
+        });
+    })
 }
 
 fn table_2(cohort: &Cohort) -> Table {

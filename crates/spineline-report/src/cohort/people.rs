@@ -85,74 +85,56 @@ pub fn flow(patients: &Patients<'_>) -> Section {
 pub fn refused(section: &mut Section, refused: &[RefusedCase], analysed: usize) {
     let Some(sentence) = RefusedCase::sentence(refused, analysed) else { return };
     section.paragraph(sentence);
-    let columns = vec![Column::words("Case"), Column::words("File"), Column::words("Reason")];
-    let mut table = Table::new("Cases that were refused", columns);
-    for one in refused {
-        table.row(vec![
-            one.case_id.clone().unwrap_or_else(none),
-            one.file.clone(),
-            format!("{}: {}", one.step, one.reason),
-        ]);
-    }
-    section.table(table);
+    section.table(Table::of("Cases that were refused", refused, |add| {
+        add.words("Case", |one| one.case_id.clone().unwrap_or_else(none));
+        add.words("File", |one| one.file.clone());
+        add.words("Reason", |one| format!("{}: {}", one.step, one.reason));
+    }));
 }
 
 /// Doubted films, which stay in and should be checked first.
 fn doubted_table(cohort: &Cohort) -> Table {
-    let columns = vec![Column::words("Case"), Column::words("Film"), Column::words("Reason")];
-    let mut table = Table::new("Films that may be wrong", columns);
-    for film in &cohort.doubted_films {
-        table.row(vec![film.case_id.clone(), film.film(), film.why.clone()]);
-    }
-    table
+    Table::of("Films that may be wrong", &cohort.doubted_films, |add| {
+        add.words("Case", |film| film.case_id.clone());
+        add.words("Film", |film| film.film());
+        add.words("Reason", |film| film.why.clone());
+    })
 }
 
 /// Cases that do not reach the last step: which films they lack, and why they have no model.
 fn incomplete_table(analyses: &[Analysis]) -> Table {
-    let columns = vec![
-        Column::words("Case"),
-        Column::words("Films that are missing"),
-        Column::words("Reason for the missing model"),
-    ];
-    let mut table = Table::new("Cases without a model or without all five postures", columns);
-    for analysis in analyses {
-        let missing =
-            Posture::ALL.iter().filter(|&&posture| analysis.movement.film(posture).is_none());
-        let missing: Vec<String> = missing.map(ToString::to_string).collect();
-        if missing.is_empty() && !analysis.models.is_empty() {
-            continue;
-        }
-        table.row(vec![
-            analysis.case_id.clone(),
-            if missing.is_empty() { none() } else { missing.join(", ") },
-            if analysis.models.is_empty() { no_model_reason(analysis) } else { none() },
-        ]);
-    }
-    table
+    let cases = analyses.iter().map(|analysis| {
+        let all = Posture::ALL.into_iter();
+        let missing = all.filter(|&posture| analysis.movement.film(posture).is_none());
+        (analysis, missing.map(|posture| posture.to_string()).collect::<Vec<_>>().join(", "))
+    });
+    let cases = cases.filter(|(one, missing)| !missing.is_empty() || one.models.is_empty());
+    Table::of("Cases without a model or without all five postures", cases, |add| {
+        add.words("Case", |(one, _)| one.case_id.clone());
+        add.words("Films that are missing", |(_, missing)| {
+            if missing.is_empty() { none() } else { missing.clone() }
+        });
+        add.words("Reason for the missing model", |(one, _)| {
+            if one.models.is_empty() { no_model_reason(one) } else { none() }
+        });
+    })
 }
 
 fn films_table(analyses: &[Analysis]) -> Table {
-    let columns = vec![
-        Column::words("Posture"),
-        Column::numbers("Films"),
-        Column::numbers("Simulations"),
-        Column::numbers("without a result"),
-    ];
-    let mut table = Table::new("Films and simulations by posture", columns);
-    for posture in Posture::ALL {
-        let films = analyses.iter().filter(|a| a.movement.film(posture).is_some()).count();
-        let all = || {
-            let models = analyses.iter().flat_map(|a| &a.models);
-            models.filter_map(|model| model.simulation(posture))
-        };
-        let lost = all().filter(|simulation| !simulation.is_usable()).count();
-        table.row(vec![
-            posture.to_string(),
-            films.to_string(),
-            all().count().to_string(),
-            lost.to_string(),
-        ]);
-    }
+    let simulations = |posture: Posture| {
+        let models = analyses.iter().flat_map(|one| &one.models);
+        models.filter_map(move |model| model.simulation(posture))
+    };
+    let mut table = Table::of("Films and simulations by posture", Posture::ALL, |add| {
+        add.words("Posture", |posture| posture.to_string());
+        add.numbers("Films", |&posture| {
+            analyses.iter().filter(|a| a.movement.film(posture).is_some()).count().to_string()
+        });
+        add.numbers("Simulations", |&posture| simulations(posture).count().to_string());
+        add.numbers("without a result", |&posture| {
+            simulations(posture).filter(|one| !one.is_usable()).count().to_string()
+        });
+    });
     table.note = "One simulation per line of action and film.".to_owned();
     table
 }
@@ -167,35 +149,34 @@ pub fn curve_size(curve: &ClinicalCurve) -> String {
 pub fn table_1(patients: &Patients<'_>) -> Section {
     let mut section = Section::new("patients", "Patients");
     section.table(summary(patients));
-    let columns = vec![
-        Column::words("Case"),
-        Column::words("Sex"),
-        Column::numbers("Age (years)"),
-        Column::words("Lenke, recorded"),
-        Column::words("Lenke, frontal films"),
-        Column::numbers("Main Cobb angle (°)"),
-        Column::numbers("Flexibility (%)"),
-        Column::numbers("Inflections"),
-        Column::words("Chain"),
-    ];
-    let mut table = Table::new("Descriptive data of the patients (table 1 of the paper)", columns);
-    for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
-        let main = analysis.movement.main_curve();
-        let flexibility = main.and_then(|curve| curve.flexibility);
-        table.row(vec![
-            analysis.case_id.clone(),
-            subject.sex.map_or_else(none, |sex| sex_words(sex).to_owned()),
-            subject.age_years.map_or_else(none, |age| fixed(age, 0)),
-            subject.lenke.clone().unwrap_or_else(none),
-            analysis.movement.lenke.map_or_else(none, |lenke| lenke.number.to_string()),
-            main.map_or_else(none, curve_size),
-            flexibility.map_or_else(none, |f| fixed(100.0 * f, 0)),
-            analysis.movement.inflections.all.len().to_string(),
-            format!("{}-{}", analysis.movement.levels().base(), analysis.movement.levels().top()),
-        ]);
-    }
-    section.table(table);
+    let caption = "Descriptive data of the patients (table 1 of the paper)";
+    let rows = patients.analyses.iter().zip(patients.subjects);
+    section.table(Table::of(caption, rows, |add| {
+        add.words("Case", |(one, _)| one.case_id.clone());
+        add.words("Sex", |(_, subject)| subject.sex.map_or_else(none, |sex| sex_words(sex).into()));
+        add.numbers("Age (years)", |(_, subject)| {
+            subject.age_years.map_or_else(none, |age| fixed(age, 0))
+        });
+        add.words("Lenke, recorded", |(_, subject)| subject.lenke.clone().unwrap_or_else(none));
+        add.words("Lenke, frontal films", |(one, _)| lenke_number(one));
+        add.numbers("Main Cobb angle (°)", |(one, _)| {
+            one.movement.main_curve().map_or_else(none, curve_size)
+        });
+        add.numbers("Flexibility (%)", |(one, _)| {
+            let flexibility = one.movement.main_curve().and_then(|curve| curve.flexibility);
+            flexibility.map_or_else(none, |f| fixed(100.0 * f, 0))
+        });
+        add.numbers("Inflections", |(one, _)| one.movement.inflections.all.len().to_string());
+        add.words("Chain", |(one, _)| {
+            format!("{}-{}", one.movement.levels().base(), one.movement.levels().top())
+        });
+    }));
     section
+}
+
+/// The type from frontal films.
+fn lenke_number(analysis: &Analysis) -> String {
+    analysis.movement.lenke.map_or_else(none, |lenke| lenke.number.to_string())
 }
 
 const fn sex_words(sex: Sex) -> &'static str {
@@ -281,18 +262,12 @@ fn recorded(patients: &Patients<'_>) -> Table {
     let mut found: BTreeMap<(String, String), usize> = BTreeMap::new();
     for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
         if let Some(recorded) = &subject.lenke {
-            let ours = analysis.movement.lenke.map_or_else(none, |lenke| lenke.number.to_string());
-            *found.entry((recorded.clone(), ours)).or_default() += 1;
+            *found.entry((recorded.clone(), lenke_number(analysis))).or_default() += 1;
         }
     }
-    let columns = vec![
-        Column::words("Recorded"),
-        Column::words("From frontal films"),
-        Column::numbers("Patients"),
-    ];
-    let mut table = Table::new("Recorded Lenke class and type from frontal films", columns);
-    for ((recorded, ours), n) in found {
-        table.row(vec![recorded, ours, n.to_string()]);
-    }
-    table
+    Table::of("Recorded Lenke class and type from frontal films", found, |add| {
+        add.words("Recorded", |((recorded, _), _)| recorded.clone());
+        add.words("From frontal films", |((_, ours), _)| ours.clone());
+        add.numbers("Patients", |(_, n)| n.to_string());
+    })
 }

@@ -2,12 +2,13 @@
 
 use spineline::analysis::{Analysis, Case};
 use spineline::error::Error;
+use spineline::measure::Outline;
 use spineline::number::fixed;
 use spineline::warning::{Step, Warning};
 
 use super::banners;
 use super::measured::amplitude;
-use crate::document::{Column, Document, Section, Table};
+use crate::document::{Document, Section, Table};
 
 /// A case for a notebook: its films with their scale and noise, and their warnings, or the error that stops its analysis.
 #[must_use]
@@ -41,32 +42,28 @@ pub fn check(case: &Case, checked: Result<&Analysis, &Error>, generator: &str) -
 #[must_use]
 pub fn films_table(analysis: &Analysis) -> Table {
     let levels = analysis.movement.levels();
-    let columns = vec![
-        Column::words("Film"),
-        Column::numbers("Readings"),
-        Column::numbers(format!("{}-{}", levels.base(), levels.top())),
-        Column::words("Lateral tilt"),
-        Column::words("Location sd"),
-        Column::words("Tilt sd (°)"),
-        Column::words("Iliac crests"),
-        Column::words("Lengths"),
-    ];
-    let mut table = Table::new("", columns);
-    for p in &analysis.movement.films {
-        let outline = &p.outline;
-        let assumed = if outline.noise.is_measured() { "" } else { " assumed" };
-        table.row(vec![
-            outline.posture.to_string(),
-            outline.readings.to_string(),
-            outline.scale.text(outline.polygon_mm(), 0),
-            amplitude(outline),
-            format!("{}{assumed}", outline.scale.residual_text(outline.noise.location_mm)),
-            format!("{}{assumed}", fixed(outline.noise.tilt.deg(), 2)),
-            if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),
-            outline.scale.to_string(),
-        ]);
-    }
-    table
+    let measured = |film: &Outline, sd: String| {
+        if film.noise.is_measured() { sd } else { sd + " assumed" }
+    };
+    Table::of("", analysis.movement.films.iter().map(|film| &film.outline), |add| {
+        add.words("Film", |film| film.posture.to_string());
+        add.numbers("Readings", |film| film.readings.to_string());
+        add.numbers(format!("{}-{}", levels.base(), levels.top()), |film| {
+            film.scale.text(film.polygon_mm(), 0)
+        });
+        add.words("Lateral tilt", |film| amplitude(film));
+        add.words("Location sd", |film| {
+            measured(film, film.scale.residual_text(film.noise.location_mm))
+        });
+        add.words("Tilt sd (°)", |film| measured(film, fixed(film.noise.tilt.deg(), 2)));
+        add.words(
+            "Iliac crests",
+            |film| {
+                if film.iliac_normal.is_some() { "marked" } else { "none" }
+            },
+        );
+        add.words("Lengths", |film| film.scale.to_string());
+    })
 }
 
 /// Warnings about the films alone; warnings of the fits belong to the results.

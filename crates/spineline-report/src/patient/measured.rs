@@ -1,16 +1,15 @@
 //! Results from the films: landmarks, curve, movement, and line of action.
 
-use spineline::analysis::{Analysis, FilmMovement};
+use spineline::analysis::{Analysis, FilmMovement, LineComparison};
 use spineline::anatomy::Posture;
 use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
 use spineline::measure::{Interpolation, MeasuredVertebra, Outline};
 use spineline::motion::SegmentEstimate;
 use spineline::number::{fixed, probability};
-use spineline::personalize::LineTest;
 use spineline::warning::counted;
 
 use super::Patient;
-use crate::document::{Column, Figure, Section, Table};
+use crate::document::{Figure, Section, Table};
 use crate::figures::{self, InflectionSample};
 use crate::phrases::{GIVE_SCALE, films_without_scale, none};
 
@@ -69,34 +68,28 @@ pub fn noise_words(analysis: &Analysis) -> String {
 
 /// Clinical angles of every curve on every film.
 pub fn clinical(analysis: &Analysis) -> Table {
-    let mut columns = vec![
-        Column::words("Curve"),
-        Column::words("Convex"),
-        Column::words("Ends"),
-        Column::words("Apex"),
-    ];
-    let postures = analysis.movement.films.iter().map(|p| p.outline.posture);
-    let cobb = analysis.movement.clinical.iter().all(ClinicalCurve::has_cobb);
+    let curves = &analysis.movement.clinical;
+    let cobb = curves.iter().all(ClinicalCurve::has_cobb);
     let name = if cobb { "Cobb" } else { "Tilt range" };
-    columns.extend(postures.map(|posture| Column::numbers(format!("{name} {posture} (°)"))));
-    columns.push(Column::numbers("Flexibility (%)"));
-    let mut table = Table::new(if cobb { "Cobb angles" } else { "Tilt ranges" }, columns);
-    for curve in &analysis.movement.clinical {
-        let sign = curve.erect_size().rad().signum();
-        let mut row = vec![
-            curve.region.to_string(),
-            curve.convex.map_or_else(none, |side| side.to_string()),
-            format!("{}–{}", curve.ends.superior, curve.ends.inferior),
-            curve.apex.to_string(),
-        ];
-        row.extend(curve.angles.iter().map(|(posture, _)| {
-            let mark = if ends_interpolated(analysis, *posture, curve.ends) { " ~" } else { "" };
-            let size = curve.size_in(*posture);
-            size.map_or_else(none, |angle| format!("{}{mark}", fixed(angle.deg() * sign, 1)))
-        }));
-        row.push(curve.flexibility.map_or_else(none, |f| fixed(100.0 * f, 0)));
-        table.row(row);
-    }
+    let caption = if cobb { "Cobb angles" } else { "Tilt ranges" };
+    let mut table = Table::of(caption, curves, |add| {
+        add.words("Curve", |curve| curve.region.to_string());
+        add.words("Convex", |curve| curve.convex.map_or_else(none, |side| side.to_string()));
+        add.words("Ends", |curve| format!("{}–{}", curve.ends.superior, curve.ends.inferior));
+        add.words("Apex", |curve| curve.apex.to_string());
+        for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
+            add.numbers(format!("{name} {posture} (°)"), |curve| {
+                let sign = curve.erect_size().rad().signum();
+                let hidden = ends_interpolated(analysis, posture, curve.ends);
+                let mark = if hidden { " ~" } else { "" };
+                let size = curve.size_in(posture);
+                size.map_or_else(none, |angle| format!("{}{mark}", fixed(angle.deg() * sign, 1)))
+            });
+        }
+        add.numbers("Flexibility (%)", |curve| {
+            curve.flexibility.map_or_else(none, |f| fixed(100.0 * f, 0))
+        });
+    });
     let what = if cobb {
         "Superior endplate of the upper against inferior endplate of the lower end vertebra."
     } else {
@@ -131,32 +124,25 @@ pub fn amplitude(film: &Outline) -> String {
 /// The curve of every film, and its movement.
 pub fn curves(analysis: &Analysis) -> Table {
     let levels = analysis.movement.levels();
-    let columns = vec![
-        Column::words("Film"),
-        Column::words(format!("Lateral tilt of {}–{}", levels.base(), levels.top())),
-        Column::numbers("Order of the curve"),
-        Column::words("Residual of locations"),
-        Column::numbers("Residual of tilts (°)"),
-        Column::numbers("Readings"),
-        Column::numbers("Mean rotation (°)"),
-        Column::words("Inflections to the least-rotating segments (segments)"),
-    ];
-    let mut table = Table::new("Fitted curves and their movement from the erect film", columns);
-    for p in &analysis.movement.films {
-        let distances = p
-            .inflection_estimates
-            .map(|pair| format!("{}, {}", pair[0].distance_segments, pair[1].distance_segments));
-        table.row(vec![
-            p.outline.posture.to_string(),
-            amplitude(&p.outline),
-            p.fit.order.to_string(),
-            p.outline.scale.residual_text(p.fit.rmse_mm),
-            fixed(p.fit.rmse_tilt.deg(), 2),
-            p.outline.readings.to_string(),
-            p.mean_rotation().map_or_else(none, |rotation| fixed(rotation.deg(), 4)),
-            distances.unwrap_or_else(none),
-        ]);
-    }
+    let caption = "Fitted curves and their movement from the erect film";
+    let mut table = Table::of(caption, &analysis.movement.films, |add| {
+        add.words("Film", |p| p.outline.posture.to_string());
+        add.words(format!("Lateral tilt of {}–{}", levels.base(), levels.top()), |p| {
+            amplitude(&p.outline)
+        });
+        add.numbers("Order of the curve", |p| p.fit.order.to_string());
+        add.words("Residual of locations", |p| p.outline.scale.residual_text(p.fit.rmse_mm));
+        add.numbers("Residual of tilts (°)", |p| fixed(p.fit.rmse_tilt.deg(), 2));
+        add.numbers("Readings", |p| p.outline.readings.to_string());
+        add.numbers("Mean rotation (°)", |p| {
+            p.mean_rotation().map_or_else(none, |rotation| fixed(rotation.deg(), 4))
+        });
+        add.words("Inflections to the least-rotating segments (segments)", |p| {
+            p.inflection_estimates.map_or_else(none, |[caudal, cranial]| {
+                format!("{}, {}", caudal.distance_segments, cranial.distance_segments)
+            })
+        });
+    });
     table.note = interpolated_words(analysis);
     table
 }
@@ -214,28 +200,16 @@ pub fn movement(analysis: &Analysis) -> Section {
             "Inflection segments against the least-rotating segments (figure 6 of the paper).";
         section.figure(Figure::new("inflections", caption, svg));
     }
-    let columns = vec![
-        Column::words("Film"),
-        Column::words("Inflection"),
-        Column::numbers("Inflection segment"),
-        Column::numbers("Least-rotating segment"),
-        Column::numbers("Distance (segments)"),
-        Column::words("Distance"),
-        Column::numbers("Rotation (°)"),
-    ];
-    let mut table = Table::new("Inflection segments and least-rotating segments", columns);
-    for (posture, i, e) in estimates {
-        table.row(vec![
-            posture,
-            ["caudal", "cranial"][i].to_owned(),
-            e.segment.to_string(),
-            e.least.to_string(),
-            e.distance_segments.to_string(),
-            analysis.movement.scale().text(e.distance_mm, 2),
-            fixed(e.rotation.deg(), 4),
-        ]);
-    }
-    section.table(table);
+    let caption = "Inflection segments and least-rotating segments";
+    section.table(Table::of(caption, estimates, |add| {
+        add.words("Film", |(posture, ..)| posture.clone());
+        add.words("Inflection", |(_, i, _)| ["caudal", "cranial"][*i]);
+        add.numbers("Inflection segment", |(.., e)| e.segment.to_string());
+        add.numbers("Least-rotating segment", |(.., e)| e.least.to_string());
+        add.numbers("Distance (segments)", |(.., e)| e.distance_segments.to_string());
+        add.words("Distance", |(.., e)| analysis.movement.scale().text(e.distance_mm, 2));
+        add.numbers("Rotation (°)", |(.., e)| fixed(e.rotation.deg(), 4));
+    }));
     section
 }
 
@@ -271,31 +245,19 @@ pub fn line(analysis: &Analysis) -> Section {
 
 /// The line of best fit to the rotations of every film, and its tests against the candidate lines.
 pub fn best_fit(analysis: &Analysis) -> Table {
-    let mut columns = vec![
-        Column::words("Film"),
-        Column::words("Lateral tilt of the line"),
-        Column::words("At the caudal inflection (mm left)"),
-        Column::words("At the cranial inflection (mm left)"),
-        Column::words("p: through both inflections"),
-        Column::words("p: parallel to the iliac line"),
-    ];
-    let has_given = !analysis.options.given_lines.is_empty();
-    columns.extend(has_given.then(|| Column::words("p: the given line")));
-    let mut table = Table::new("Line of best fit to the rotations of each film", columns);
-    for p in &analysis.movement.films {
-        let Some(found) = &p.best_fit_line else { continue };
-        let [caudal, cranial] = &found.crossings;
-        let mut row = vec![
-            p.outline.posture.to_string(),
-            found.line.lateral_tilt().leaning(),
-            caudal.to_string(),
-            cranial.to_string(),
-            p_value(found.inflection.map(|found| found.test)),
-            p_value(found.iliac.map(|found| found.test)),
-        ];
-        row.extend(has_given.then(|| p_value(found.given.map(|found| found.test))));
-        table.row(row);
-    }
+    let films = analysis.movement.films.iter();
+    let found = films.filter_map(|p| Some((p.outline.posture, p.best_fit_line.as_ref()?)));
+    let mut table = Table::of("Line of best fit to the rotations of each film", found, |add| {
+        add.words("Film", |(posture, _)| posture.to_string());
+        add.words("Lateral tilt of the line", |(_, one)| one.line.lateral_tilt().leaning());
+        add.words("At the caudal inflection (mm left)", |(_, one)| one.crossings[0].to_string());
+        add.words("At the cranial inflection (mm left)", |(_, one)| one.crossings[1].to_string());
+        add.words("p: through both inflections", |(_, one)| p_value(one.inflection));
+        add.words("p: parallel to the iliac line", |(_, one)| p_value(one.iliac));
+        if !analysis.options.given_lines.is_empty() {
+            add.words("p: the given line", |(_, one)| p_value(one.given));
+        }
+    });
     if let Some(found) = analysis.movement.films.iter().find_map(|p| p.best_fit_line.as_ref()) {
         table.note = format!(
             "p below 0.05 rejects the line. Joints of a region differ in stiffness by {} % on these films.",
@@ -305,6 +267,6 @@ pub fn best_fit(analysis: &Analysis) -> Table {
     table
 }
 
-fn p_value(test: Option<LineTest>) -> String {
-    test.map_or_else(none, |test| probability(test.p_value))
+fn p_value(found: Option<LineComparison>) -> String {
+    found.map_or_else(none, |found| probability(found.test.p_value))
 }

@@ -24,17 +24,13 @@ pub fn how(patient: &Patient<'_>) -> Section {
 
 /// The published numbers of a typical spine, and how far they were compared with their sources.
 pub(crate) fn published() -> Table {
-    let columns = vec![
-        Column::words("Numbers"),
-        Column::words("Used for"),
-        Column::words("Source"),
-        Column::words("Compared"),
-    ];
-    let mut table = Table::new("Published numbers of a typical spine", columns);
-    for one in PublishedNumbers::ALL {
-        let words = [one.numbers, one.used_for, one.source].map(str::to_owned);
-        table.row(words.into_iter().chain([one.check.to_string()]).collect());
-    }
+    let caption = "Published numbers of a typical spine";
+    let mut table = Table::of(caption, PublishedNumbers::ALL, |add| {
+        add.words("Numbers", |one| one.numbers);
+        add.words("Used for", |one| one.used_for);
+        add.words("Source", |one| one.source);
+        add.words("Compared", |one| one.check.to_string());
+    });
     table.note = "Springs have their sources in the table of springs.".to_owned();
     table
 }

@@ -2,7 +2,7 @@
 
 use spineline::analysis::{Analysis, BAND_COVERAGE, FilmRole, LineModel, LinesCompared};
 use spineline::anatomy::Posture;
-use spineline::evaluate::Baseline;
+use spineline::evaluate::{Baseline, Simulation};
 use spineline::multibody::StiffnessLibrary;
 use spineline::number::{fixed, interval};
 use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, STIFFNESS_COVERAGE, StiffnessBound};
@@ -228,36 +228,33 @@ pub fn errors(analysis: &Analysis) -> Section {
 /// Errors of all lines on one kind of film.
 pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
     let absolute = analysis.models.iter().all(|model| model.is_absolute(analysis.options.gauge));
-    let columns = vec![
-        Column::words("Line of action"),
-        Column::words("Film"),
-        Column::numbers("Mean location error (mm)"),
-        Column::numbers("Largest (mm)"),
-        Column::numbers("Ferguson errors (°)"),
-        Column::numbers(if absolute { "Force (N)" } else { "Force (relative)" }),
-        Column::numbers("Counter-rotating joints"),
-    ];
     let films = if fitted { "fitted" } else { "held-out" };
-    let mut table = Table::new(format!("Errors on {films} films"), columns);
-    for model in &analysis.models {
-        for s in model.simulations.iter().filter(|s| s.fitted == fitted) {
-            let angles = s.ferguson_difference.iter().map(|a| fixed(a.abs().deg(), 1));
-            let angles = angles.collect::<Vec<_>>().join(" / ");
+    let simulations = analysis.models.iter().flat_map(|model| {
+        let of_kind = model.simulations.iter().filter(move |s| s.fitted == fitted);
+        of_kind.map(move |s| (model, s))
+    });
+    let or_none = |s: &Simulation, value: String| if s.is_usable() { value } else { none() };
+    let mut table = Table::of(format!("Errors on {films} films"), simulations, |add| {
+        add.words("Line of action", |(model, _)| model.kind.to_string());
+        add.words("Film", |(_, s)| s.shape.posture.to_string());
+        add.numbers("Mean location error (mm)", |(_, s)| {
+            let status = || s.status.key().replace('_', " ");
+            if s.is_usable() { fixed(s.shape.mean_location_error_mm(), 2) } else { status() }
+        });
+        add.numbers("Largest (mm)", |(_, s)| {
             let largest = s.shape.location_errors_mm.iter().copied().fold(0.0, f64::max);
-            let status = s.status.key().replace('_', " ");
-            let or_status = |value: String| if s.is_usable() { value } else { status.clone() };
-            let or_none = |value: String| if s.is_usable() { value } else { none() };
-            table.row(vec![
-                model.kind.to_string(),
-                s.shape.posture.to_string(),
-                or_status(fixed(s.shape.mean_location_error_mm(), 2)),
-                or_none(fixed(largest, 2)),
-                or_none(angles),
-                or_none(fixed(s.force_n, 0)),
-                format!("{} of {}", s.contradicted.len(), s.joints()),
-            ]);
-        }
-    }
+            or_none(s, fixed(largest, 2))
+        });
+        add.numbers("Ferguson errors (°)", |(_, s)| {
+            let angles = s.ferguson_difference.iter().map(|a| fixed(a.abs().deg(), 1));
+            or_none(s, angles.collect::<Vec<_>>().join(" / "))
+        });
+        let force = if absolute { "Force (N)" } else { "Force (relative)" };
+        add.numbers(force, |(_, s)| or_none(s, fixed(s.force_n, 0)));
+        add.numbers("Counter-rotating joints", |(_, s)| {
+            format!("{} of {}", s.contradicted.len(), s.joints())
+        });
+    });
     let levels = analysis.movement.levels().as_slice();
     table.note = format!(
         "Location error: distance between simulated and measured midpoints, {} to {}{}. Ferguson errors: three regions, caudal first. Counter-rotating joints turn against the moment of the force.",

@@ -5,7 +5,7 @@ use spineline::clinical::SpatialMeasures;
 use spineline::measure::SpatialOutline;
 use spineline::number::{fixed, interval};
 
-use crate::document::{Column, Figure, Section, Table};
+use crate::document::{Figure, Section, Table};
 use crate::figures;
 use crate::phrases::none;
 
@@ -31,77 +31,52 @@ pub fn both_films(analysis: &Analysis) -> Option<Section> {
 
 /// Kyphosis, lordosis, planes of maximum curvature and length.
 fn measures(analysis: &Analysis, found: &SpatialMeasures) -> Table {
-    let columns = vec![
-        Column::words("Number"),
-        Column::words("Between"),
-        Column::words("2-D or 3-D"),
-        Column::words("Value ± sd"),
-        Column::words("95 % interval"),
-    ];
-    let mut table = Table::new("The erect spine in space", columns);
-    for number in found.numbers(analysis.movement.scale()) {
-        let [low, high] = number.interval_95();
-        let curve = number.region.map(|region| format!("{region}: "));
-        table.row(vec![
-            format!("{}{}", curve.unwrap_or_default(), number.label),
-            number.between.clone(),
-            number.dimension.key().to_owned(),
-            number.text(),
-            interval([low, high], 1),
-        ]);
-    }
+    let numbers = found.numbers(analysis.movement.scale());
+    let mut table = Table::of("The erect spine in space", numbers, |add| {
+        add.words("Number", |number| {
+            let curve = number.region.map(|region| format!("{region}: "));
+            format!("{}{}", curve.unwrap_or_default(), number.label)
+        });
+        add.words("Between", |number| number.between.clone());
+        add.words("2-D or 3-D", |number| number.dimension.key());
+        add.words("Value ± sd", |number| number.text());
+        add.words("95 % interval", |number| interval(number.interval_95(), 1));
+    });
     table.note = "2-D: on one film. 3-D: in space. Endplates are read as clinicians do, from the superior endplate of the upper to the inferior one of the lower vertebra; they include the wedges of both bodies, axes do not. S1 is not a landmark.".to_owned();
     table
 }
 
 /// The pitch of every vertebra as the lateral film shows it, and in space.
 fn pitches(found: &SpatialOutline, template: Option<&TemplateError>) -> Table {
-    let columns = vec![
-        Column::words("Vertebra"),
-        Column::words("Tilt on the erect film (2-D)"),
-        Column::numbers("Pitch on the lateral film (2-D, °)"),
-        Column::numbers("Pitch in space (3-D, °)"),
-        Column::numbers("sd (°)"),
-        Column::numbers("Population's profile (°)"),
-    ];
-    let mut table = Table::new("Pitch of the vertebrae, flexion positive", columns);
     let assumed = |level| {
         let vertebra = template?.vertebrae.iter().find(|vertebra| vertebra.level == level)?;
         Some(fixed(vertebra.template.deg(), 1))
     };
-    for vertebra in &found.vertebrae {
-        table.row(vec![
-            vertebra.level.to_string(),
-            vertebra.orientation.tilt.leaning(),
-            fixed(vertebra.lateral_pitch.deg(), 1),
-            fixed(vertebra.orientation.pitch.deg(), 1),
-            fixed(found.pitch_sd(vertebra).deg(), 1),
-            assumed(vertebra.level).unwrap_or_else(none),
-        ]);
-    }
+    let caption = "Pitch of the vertebrae, flexion positive";
+    let mut table = Table::of(caption, &found.vertebrae, |add| {
+        add.words("Vertebra", |one| one.level.to_string());
+        add.words("Tilt on the erect film (2-D)", |one| one.orientation.tilt.leaning());
+        add.numbers("Pitch on the lateral film (2-D, °)", |one| fixed(one.lateral_pitch.deg(), 1));
+        add.numbers("Pitch in space (3-D, °)", |one| fixed(one.orientation.pitch.deg(), 1));
+        add.numbers("sd (°)", |one| fixed(found.pitch_sd(one).deg(), 1));
+        add.numbers("Population's profile (°)", |one| assumed(one.level).unwrap_or_else(none));
+    });
     table.note = "By the line through the centres of both endplates. A lateral film overstates the pitch of a tilted vertebra; its endplates depend on how they are read, that line does not. A model without a lateral film has the population's profile.".to_owned();
     table
 }
 
 /// Axial rotations from pedicles; `None` where none are marked.
 pub fn axial(analysis: &Analysis) -> Option<Section> {
-    let columns = vec![
-        Column::words("Vertebra"),
-        Column::words("Front turned (Stokes)"),
-        Column::numbers("sd (°)"),
-        Column::words("Drerup (°, left positive)"),
-        Column::words("Nash–Moe"),
-    ];
-    let mut table = Table::new("Axial rotation on the erect film (3-D)", columns);
-    for found in &analysis.movement.axial {
-        table.row(vec![
-            found.level.to_string(),
-            found.words(),
-            fixed(found.sd.deg(), 1),
-            found.drerup.map_or_else(none, |angle| fixed(angle.deg(), 1)),
-            found.grade.key().to_owned(),
-        ]);
-    }
+    let caption = "Axial rotation on the erect film (3-D)";
+    let mut table = Table::of(caption, &analysis.movement.axial, |add| {
+        add.words("Vertebra", |found| found.level.to_string());
+        add.words("Front turned (Stokes)", |found| found.words());
+        add.numbers("sd (°)", |found| fixed(found.sd.deg(), 1));
+        add.words("Drerup (°, left positive)", |found| {
+            found.drerup.map_or_else(none, |angle| fixed(angle.deg(), 1))
+        });
+        add.words("Nash–Moe", |found| found.grade.key());
+    });
     table.note = "From the pedicles. Vertebrae without marked pedicles are not listed: their rotation is not known, and zero in the model. The ratio of the pedicles' places is the mean of 2,068 CTs (vid-ct) from L4 to T1, and UNVERIFIED at L5; people differ in it by 10 % (assumption).".to_owned();
     let mut section = Section::new("axial-rotation", "Axial rotation");
     section.table(table);

@@ -7,7 +7,7 @@ use spineline::personalize::{
     GroupStiffness, Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd,
     STIFFNESS_COVERAGE,
 };
-use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
+use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
 use spineline::warning::counted;
 
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
@@ -204,40 +204,25 @@ fn mean_and_largest(
 
 /// Every other number that is reported.
 fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
-    let columns = vec![
-        Column::words("Number"),
-        Column::words("Unit"),
-        Column::numbers("Value"),
-        Column::numbers("Mean"),
-        Column::numbers("sd"),
-        Column::words("95 % interval"),
-        Column::numbers("In (%)"),
-    ];
-    let mut table = Table::new("Numbers over the replicates", columns);
-    for spread in found.quantities.iter().filter(|spread| spread.quantity.is_reported()) {
-        let unit = spread.quantity.unit(analysis);
-        let number = |value: f64| match unit {
-            QuantityUnit::Segments => fixed(value, 0),
-            QuantityUnit::One | QuantityUnit::Millimetres => fixed(value, 2),
-            _ => fixed(value, 1),
-        };
-        let of = spread.spread;
-        table.row(vec![
-            spread.quantity.label(analysis),
-            unit.key().to_owned(),
-            spread.nominal.ok().map_or_else(none, number),
-            of.map_or_else(none, |s| number(s.mean)),
-            of.map_or_else(none, |s| fixed(s.sd, 2)),
-            match spread.interval_95() {
-                Some([low, high]) => {
-                    let only_if = if_exact(spread.quantity);
-                    format!("{} to {}{only_if}", number(low), number(high))
-                }
-                None if spread.at_bound => "none: at its bound".to_owned(),
-                None => none(),
-            },
-            fixed(100.0 * spread.count as f64 / found.done.max(1) as f64, 1),
-        ]);
-    }
-    table
+    let number = |spread: &QuantitySpread, value: f64| match spread.quantity.unit(analysis) {
+        QuantityUnit::Segments => fixed(value, 0),
+        QuantityUnit::One | QuantityUnit::Millimetres => fixed(value, 2),
+        _ => fixed(value, 1),
+    };
+    let reported = found.quantities.iter().filter(|spread| spread.quantity.is_reported());
+    Table::of("Numbers over the replicates", reported, |add| {
+        add.words("Number", |one| one.quantity.label(analysis));
+        add.words("Unit", |one| one.quantity.unit(analysis).key());
+        add.numbers("Value", |one| one.nominal.ok().map_or_else(none, |value| number(one, value)));
+        add.numbers("Mean", |one| one.spread.map_or_else(none, |s| number(one, s.mean)));
+        add.numbers("sd", |one| one.spread.map_or_else(none, |s| fixed(s.sd, 2)));
+        add.words("95 % interval", |one| match one.interval_95() {
+            Some([low, high]) => {
+                format!("{} to {}{}", number(one, low), number(one, high), if_exact(one.quantity))
+            }
+            None if one.at_bound => "none: at its bound".to_owned(),
+            None => none(),
+        });
+        add.numbers("In (%)", |one| fixed(100.0 * one.count as f64 / found.done.max(1) as f64, 1));
+    })
 }

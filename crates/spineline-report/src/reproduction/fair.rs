@@ -2,7 +2,7 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
-use spineline::cohort::{Cohort, ErrorKind, LinePairTest, PairedComparison, RoleErrors};
+use spineline::cohort::{Cohort, ErrorKind, LinePairTest, PairedComparison};
 use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
 use spineline::number::{interval, probability, signed};
@@ -67,18 +67,13 @@ pub(super) fn baseline_error(cohort: &Cohort, baseline: Baseline, role: FilmRole
 }
 
 pub(super) fn error(cohort: &Cohort, kind: LineKind, role: FilmRole) -> Cell {
-    let found = |e: &&RoleErrors| e.kind == kind && e.role == role;
-    cohort.compared.errors.iter().find(found).map_or_else(Cell::missing, |errors| {
+    cohort.compared.of_line(kind, role).map_or_else(Cell::missing, |errors| {
         Cell::of(&errors.location_mm.patients, 2).without(errors.without_result)
     })
 }
 
 pub(super) fn test(cohort: &Cohort, lines: [LineKind; 2], role: FilmRole) -> Option<&LinePairTest> {
-    cohort
-        .compared
-        .tests
-        .iter()
-        .find(|t| t.lines == lines && t.role == role && t.error == ErrorKind::Location)
+    cohort.compared.test(lines, role, ErrorKind::Location)
 }
 
 /// Every line with every prediction without mechanics that does not use the tilt of T2.

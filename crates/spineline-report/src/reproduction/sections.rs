@@ -1,9 +1,8 @@
 //! Every number of the paper beside ours, in sections.
 
 use spineline::action::LineKind;
-use spineline::cohort::{
-    Claims, Clustered, Cohort, ErrorStatistics, LineStatistics, PairedComparison,
-};
+use spineline::analysis::FilmRole;
+use spineline::cohort::{Claims, Cohort, PairedComparison, RoleErrors};
 use spineline::evaluate::statistics::Summary;
 use spineline::multibody::Support;
 use spineline::number::interval;
@@ -271,8 +270,8 @@ struct ErrorRow {
     unit: &'static str,
     paper: Option<PaperMean>,
     kind: LineKind,
-    /// Whether the films are fitted.
-    is_fitted: bool,
+    /// Role of the films in the fit.
+    role: FilmRole,
 }
 
 impl ErrorRow {
@@ -281,20 +280,20 @@ impl ErrorRow {
         unit: &'static str,
         paper: Option<PaperMean>,
         kind: LineKind,
-        is_fitted: bool,
+        role: FilmRole,
     ) -> Self {
-        Self { name, unit, paper, kind, is_fitted }
+        Self { name, unit, paper, kind, role }
     }
 
     fn number(&self, columns: &Columns<'_>) -> PaperNumber {
-        let cell = |line: &LineStatistics| {
-            let errors: &ErrorStatistics =
-                if self.is_fitted { &line.fitted } else { &line.held_out };
-            let values: &Clustered =
+        let cell = |errors: &RoleErrors| {
+            let values =
                 if self.unit == "deg" { &errors.ferguson_deg } else { &errors.location_mm };
             Cell::of(&values.pooled, 2).without(errors.unusable)
         };
-        let of_cohort = |cohort: &Cohort| of_line(cohort, self.kind, cell);
+        let of_cohort = |cohort: &Cohort| {
+            cohort.compared.of_line(self.kind, self.role).map_or_else(Cell::missing, cell)
+        };
         match self.paper {
             Some(paper) => compared(self.name, self.unit, paper, columns, of_cohort),
             None => ours(self.name.to_owned(), self.unit, columns.map(of_cohort)),
@@ -303,6 +302,7 @@ impl ErrorRow {
 }
 
 const ERRORS: [ErrorRow; 12] = {
+    use FilmRole::{Fitted, HeldOut};
     use LineKind::{Estimated, Iliac, Inflection};
     let (model_1, model_2) =
         ("Ferguson error, bends, Model-1 (°)", "Ferguson error, bends, Model-2 (°)");
@@ -311,25 +311,20 @@ const ERRORS: [ErrorRow; 12] = {
     let (angle, place) =
         ("HELD OUT Ferguson error, Model-1 (°)", "HELD OUT location error, Model-1 (mm)");
     [
-        ErrorRow::new(model_1, "deg", Some(PaperMean::new(1.34, 1.51, 2)), Inflection, true),
-        ErrorRow::new(model_2, "deg", Some(PaperMean::new(2.07, 2.20, 2)), Iliac, true),
-        ErrorRow::new("  estimated line", "deg", None, Estimated, true),
-        ErrorRow::new(place_1, "mm", fitted_location_error_mm(Inflection), Inflection, true),
-        ErrorRow::new(place_2, "mm", fitted_location_error_mm(Iliac), Iliac, true),
-        ErrorRow::new("  estimated line", "mm", None, Estimated, true),
-        ErrorRow::new(angle, "deg", Some(PaperMean::new(1.63, 1.98, 2)), Inflection, false),
-        ErrorRow::new("  Model-2", "deg", None, Iliac, false),
-        ErrorRow::new("  estimated line", "deg", None, Estimated, false),
-        ErrorRow::new(place, "mm", held_out_location_error_mm(Inflection), Inflection, false),
-        ErrorRow::new("  Model-2", "mm", None, Iliac, false),
-        ErrorRow::new("  estimated line", "mm", None, Estimated, false),
+        ErrorRow::new(model_1, "deg", Some(PaperMean::new(1.34, 1.51, 2)), Inflection, Fitted),
+        ErrorRow::new(model_2, "deg", Some(PaperMean::new(2.07, 2.20, 2)), Iliac, Fitted),
+        ErrorRow::new("  estimated line", "deg", None, Estimated, Fitted),
+        ErrorRow::new(place_1, "mm", fitted_location_error_mm(Inflection), Inflection, Fitted),
+        ErrorRow::new(place_2, "mm", fitted_location_error_mm(Iliac), Iliac, Fitted),
+        ErrorRow::new("  estimated line", "mm", None, Estimated, Fitted),
+        ErrorRow::new(angle, "deg", Some(PaperMean::new(1.63, 1.98, 2)), Inflection, HeldOut),
+        ErrorRow::new("  Model-2", "deg", None, Iliac, HeldOut),
+        ErrorRow::new("  estimated line", "deg", None, Estimated, HeldOut),
+        ErrorRow::new(place, "mm", held_out_location_error_mm(Inflection), Inflection, HeldOut),
+        ErrorRow::new("  Model-2", "mm", None, Iliac, HeldOut),
+        ErrorRow::new("  estimated line", "mm", None, Estimated, HeldOut),
     ]
 };
-
-/// A number of the models with one line of action.
-fn of_line(cohort: &Cohort, kind: LineKind, cell: impl Fn(&LineStatistics) -> Cell) -> Cell {
-    cohort.line(kind).map_or_else(Cell::missing, cell)
-}
 
 const MODELS_NOTE: &str = "Model-1 has the inflection line, Model-2 the iliac line. Held-out films are neutral and traction; no stiffness was fitted to them. `[1 without]`: number of films without a result for any force. – marks a number that the paper does not give.";
 
@@ -339,7 +334,8 @@ fn models(columns: &Columns<'_>, support: Support) -> Part {
     rows.extend(reductions(columns));
     rows.extend(test_rows(columns));
     let contradicted = |cohort: &Cohort| {
-        of_line(cohort, LineKind::Inflection, |line| Cell::of(&line.contradicted.pooled, 1))
+        let found = cohort.contradicted.iter().find(|(kind, _)| *kind == LineKind::Inflection);
+        found.map_or_else(Cell::missing, |(_, joints)| Cell::of(&joints.pooled, 1))
     };
     let name = "counter-rotating joints of 14, Model-1".to_owned();
     rows.push(ours(name, "1", columns.map(contradicted)));
@@ -359,25 +355,22 @@ fn models(columns: &Columns<'_>, support: Support) -> Part {
 
 /// How far the errors of Model-1 lie below the errors of Model-2 on the bends.
 fn reductions(columns: &Columns<'_>) -> Vec<PaperNumber> {
+    use FilmRole::{Fitted, HeldOut};
     use LineKind::{Iliac, Inflection};
-    type Errors = fn(&ErrorStatistics) -> Summary;
+    type Errors = fn(&RoleErrors) -> Summary;
     let angle: Errors = |errors| errors.ferguson_deg.pooled;
     let place: Errors = |errors| errors.location_mm.pooled;
-    let rows: [(&str, &str, f64, bool, Errors); 4] = [
-        ("Ferguson error, bends, Model-1 below Model-2 by", "35 %", 35.0, true, angle),
-        ("location error, bends, Model-1 below Model-2 by", "64 %", 64.0, true, place),
-        ("Ferguson error, held out, below Model-2 on bends by", "21 %", 21.0, false, angle),
-        ("location error, held out, below Model-2 on bends by", "45 %", 45.0, false, place),
+    let rows: [(&str, &str, f64, FilmRole, Errors); 4] = [
+        ("Ferguson error, bends, Model-1 below Model-2 by", "35 %", 35.0, Fitted, angle),
+        ("location error, bends, Model-1 below Model-2 by", "64 %", 64.0, Fitted, place),
+        ("Ferguson error, held out, below Model-2 on bends by", "21 %", 21.0, HeldOut, angle),
+        ("location error, held out, below Model-2 on bends by", "45 %", 45.0, HeldOut, place),
     ];
-    let row = |(name, text, percent, is_fitted, errors): (&str, &str, f64, bool, Errors)| {
+    let row = |(name, text, percent, role, errors): (&str, &str, f64, FilmRole, Errors)| {
         compared(name, "%", (text, percent), columns, |cohort| {
-            let of = |line: &LineStatistics| {
-                if is_fitted { errors(&line.fitted) } else { errors(&line.held_out) }
-            };
-            let lines = cohort.line(Inflection).zip(cohort.line(Iliac));
-            lines.map_or_else(Cell::missing, |(first, second)| {
-                below(of(first), errors(&second.fitted))
-            })
+            let of = |kind, role| cohort.compared.of_line(kind, role).map(errors);
+            let both = of(Inflection, role).zip(of(Iliac, Fitted));
+            both.map_or_else(Cell::missing, |(first, second)| below(first, second))
         })
     };
     rows.map(row).into()

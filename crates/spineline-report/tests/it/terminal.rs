@@ -464,7 +464,7 @@ fn every_statistic_of_readings_is_shown_with_interval_and_limits_of_agreement() 
             for statistic in &design.statistics {
                 let (value, interval) = statistic.shown();
                 let value = value.unwrap_or_else(|| "–".to_owned());
-                holds(&text, &[statistic.kind.name().to_owned(), value, interval]);
+                holds(&text, &[statistic.kind.to_string(), value, interval]);
             }
             for pair in &design.bland_altman {
                 let [first, second] = &pair.raters;

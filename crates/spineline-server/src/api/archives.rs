@@ -4,26 +4,6 @@ use serde::{Deserialize, Serialize};
 use spineline_dicomweb::SearchKey;
 use utoipa::ToSchema;
 
-/// Key of a search in an archive: exact values that name one patient or one order. Names are not accepted: they match
-/// several patients and would enter the program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ArchiveKey {
-    /// Patient ID.
-    PatientId,
-    /// Accession Number: the number of an order.
-    AccessionNumber,
-}
-
-impl From<ArchiveKey> for SearchKey {
-    fn from(key: ArchiveKey) -> Self {
-        match key {
-            ArchiveKey::PatientId => Self::PatientId,
-            ArchiveKey::AccessionNumber => Self::AccessionNumber,
-        }
-    }
-}
-
 /// A search in an archive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -31,7 +11,7 @@ pub struct ArchiveSearch {
     /// Name of the archive.
     pub archive: String,
     /// By what is searched.
-    pub key: ArchiveKey,
+    pub key: SearchKey,
     /// The whole value, without wildcards.
     pub value: String,
     /// Only films of this day, as `YYYY-MM-DD`.

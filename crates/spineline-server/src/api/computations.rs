@@ -1,24 +1,25 @@
-//! Computations in the background, and parts of the report.
+//! Computations in the background.
 
 use serde::{Deserialize, Serialize};
+use spineline_report::document::Section;
 use utoipa::ToSchema;
 
-/// A computation in the background.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ComputationName {
-    /// Intervals by landmark noise.
-    Replicates,
-    /// How well the films determine each multiplier.
-    Identifiability,
-    /// Other loads and base supports beside the lines.
-    Models,
+use super::Wire;
+
+spineline::named! {
+    /// A computation in the background.
+    pub enum Computation {
+        /// Intervals by landmark noise.
+        Replicates = "replicates",
+        /// How well the films determine each multiplier.
+        Identifiability = "identifiability",
+        /// Other loads and base supports beside the lines.
+        Models = "models",
+    }
 }
 
-impl ComputationName {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Replicates, Self::Identifiability, Self::Models];
-}
+/// A computation in the background.
+pub type ComputationName = Wire<Computation>;
 
 /// What is computed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -45,7 +46,7 @@ pub enum ComputationState {
 }
 
 /// A computation of the current results of a study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct ComputationView {
     /// What is computed.
     pub name: ComputationName,
@@ -58,72 +59,9 @@ pub struct ComputationView {
     /// Values with their intervals, where replicates are done.
     pub intervals: Vec<IntervalView>,
     /// Parts of the report, where it is done.
-    pub sections: Vec<SectionView>,
+    pub sections: Vec<Section>,
     /// Results and failures as text.
     pub texts: Vec<String>,
-}
-
-/// A part of the report.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct SectionView {
-    /// Name, the same in every report.
-    pub id: String,
-    /// Heading.
-    pub title: String,
-    /// Content.
-    pub blocks: Vec<BlockView>,
-}
-
-/// A block of a part of the report.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum BlockView {
-    /// A heading within the part.
-    Heading {
-        /// Text.
-        text: String,
-    },
-    /// Running text.
-    Paragraph {
-        /// Text.
-        text: String,
-    },
-    /// A notice.
-    Notice {
-        /// Such as `Warning`.
-        word: String,
-        /// Text.
-        text: String,
-    },
-    /// A table.
-    Table {
-        /// What it shows.
-        caption: String,
-        /// Columns.
-        columns: Vec<ColumnView>,
-        /// Rows, with one cell per column.
-        rows: Vec<Vec<String>>,
-        /// Note; may be empty.
-        note: String,
-    },
-    /// A picture.
-    Figure {
-        /// Name.
-        name: String,
-        /// What it shows.
-        caption: String,
-        /// The picture.
-        svg: String,
-    },
-}
-
-/// A column of a table.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct ColumnView {
-    /// Heading with its unit.
-    pub head: String,
-    /// Whether it holds numbers.
-    pub numeric: bool,
 }
 
 /// A number of the analysis with its 95 % interval.

@@ -1,6 +1,7 @@
 //! Loads that users put on a model.
 
 use serde::{Deserialize, Serialize};
+use spineline_report::document::Table;
 use utoipa::ToSchema;
 
 use super::{ComputationState, FileLoad, LevelError, Notice, PostureName, Shape, SideName};
@@ -57,7 +58,7 @@ pub struct NamedDirection {
 }
 
 /// The model under loads.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct LoadedModel {
     /// Each load as text.
     pub loads: Vec<String>,
@@ -77,7 +78,7 @@ pub struct LoadFaultView {
 }
 
 /// A model under loads.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct LoadedView {
     /// Whether there is a result.
     pub converged: bool,
@@ -85,37 +86,19 @@ pub struct LoadedView {
     /// the path.
     pub texts: Vec<String>,
     /// Angles before and after; without rows if the loads have no result.
-    pub angles: TextTable,
+    pub angles: Table,
     /// Forces and moments on the vertebrae.
-    pub forces: TextTable,
+    pub forces: Table,
     /// Other numbers of the result.
-    pub numbers: TextTable,
+    pub numbers: Table,
     /// Every shape that meets the target, where several exist or the loads have no result.
-    pub solutions: TextTable,
+    pub solutions: Table,
     /// Warnings.
     pub notices: Vec<Notice>,
     /// Shapes on the path, the erect one first; the last one is the result, if any.
     pub steps: Vec<LoadStep>,
     /// The result beside other films; empty without a result.
     pub films: Vec<FilmComparison>,
-}
-
-/// A table of texts.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct TextTable {
-    /// Columns.
-    pub columns: Vec<TextColumn>,
-    /// Rows, each with a cell per column.
-    pub rows: Vec<Vec<String>>,
-}
-
-/// A column.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct TextColumn {
-    /// Its head, with a unit where it has one.
-    pub head: String,
-    /// Whether it contains numbers.
-    pub numeric: bool,
 }
 
 /// A shape on the path of the loads.

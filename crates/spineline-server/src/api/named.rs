@@ -6,8 +6,8 @@ use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::SpacingPlane;
 use spineline_files::ExportFormat;
 use spineline_marking::Calibrator;
-use spineline_store::{Access, Role};
-pub use spineline_store::{CornerName, OriginName, SideName, Wire};
+use spineline_store::Access;
+pub use spineline_store::{CornerName, OriginName, RoleName, SideName, Wire};
 
 /// Posture of the patient on a film.
 pub type PostureName = Wire<Posture>;
@@ -25,7 +25,5 @@ pub type LineKindName = Wire<LineKind>;
 pub type ExportFormatName = Wire<ExportFormat>;
 /// Object of known size in the picture.
 pub type CalibratorName = Wire<Calibrator>;
-/// Highest permission of an account; a study may grant less.
-pub type RoleName = Wire<Role>;
 /// Way of signing in.
 pub type AccessName = Wire<Access>;

@@ -80,7 +80,7 @@ pub struct ReadingView {
     pub erect: Option<i64>,
 }
 
-/// The picture of a reading.
+/// The picture of a film, as a reading shows it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ReadingImage {
     /// Pixels in a row.
@@ -95,9 +95,9 @@ pub struct ReadingImage {
     pub patient_left: ImageSideName,
     /// Unit and plane of lengths.
     pub plane: SpacingPlaneName,
-    /// Spacing and its source as text.
+    /// Spacing and its source as text, such as `0.143 × 0.143 mm (patient), by a ball (± 0.6 %)`.
     pub spacing_text: String,
-    /// Whether it is shown with inverted grey levels.
+    /// Whether it is shown with grey levels inverted relative to its file.
     pub inverted: bool,
 }
 

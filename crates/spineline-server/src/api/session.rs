@@ -59,17 +59,6 @@ pub struct SessionView {
     pub version: String,
 }
 
-/// A local account.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct AccountView {
-    /// Name, which is also the observer's.
-    pub name: String,
-    /// Role.
-    pub role: RoleName,
-    /// Whether it may sign in.
-    pub enabled: bool,
-}
-
 /// A new account, or a change of one; absent values do not change.
 #[derive(Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]

@@ -1,11 +1,12 @@
 //! Studies and their films.
 
 use serde::{Deserialize, Serialize};
+use spineline_store::{OpenPlan, StudyEdit};
 use utoipa::ToSchema;
 
 use super::{
-    CalibratorName, FilmViewName, ImageSideName, Notice, PostureName, RoleName, SideName,
-    SpacingPlaneName, WithdrawalView,
+    CalibratorName, FilmViewName, ImageSideName, Notice, PostureName, ReadingImage, RoleName,
+    SideName, SpacingPlaneName, WithdrawalView,
 };
 
 /// Status of a study.
@@ -45,21 +46,29 @@ pub struct StudySummary {
     pub revision: u64,
     /// Permission of the requester.
     pub role: RoleName,
+    /// Its results.
+    #[serde(flatten)]
+    pub results: ResultSummary,
+    /// Films by posture.
+    pub films: Vec<FilmSummary>,
+    /// Last change, in ms since 1970-01-01 UTC; while readings of the requester are blinded, only of the plan or of
+    /// these readings.
+    pub changed_ms: i64,
+}
+
+/// The results of a study in the list.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ResultSummary {
     /// Status.
     pub status: StudyStatus,
     /// The status as text, such as `12 of 15 vertebrae on the erect film`.
     pub status_text: String,
-    /// Films by posture.
-    pub films: Vec<FilmSummary>,
     /// The largest curve, if it is measured.
     pub curve: Option<CurveSummary>,
     /// Number of warnings of its analysis.
     pub warnings: usize,
     /// Number of notices with severity `contradiction`.
     pub contradictions: usize,
-    /// Last change, in ms since 1970-01-01 UTC; while readings of the requester are blinded, only of the plan or of
-    /// these readings.
-    pub changed_ms: i64,
 }
 
 /// The largest curve of a study's erect film.
@@ -86,22 +95,10 @@ pub struct FilmSummary {
     pub film: i64,
     /// Posture, or `lateral`.
     pub posture: FilmViewName,
-    /// Pixels in a row.
-    pub columns: u32,
-    /// Rows.
-    pub rows: u32,
-    /// Height of a pixel over its width as the film is to be shown.
-    pub pixel_aspect: f64,
-    /// Unit and plane of lengths.
-    pub plane: SpacingPlaneName,
+    /// Its picture without an open reading.
+    pub image: ReadingImage,
     /// Distance between neighbouring rows in the film's plane; null where the scale is unknown.
     pub row_mm: Option<f64>,
-    /// Spacing and its source as text, such as `0.143 × 0.143 mm (patient), by a ball (± 0.6 %)`.
-    pub spacing_text: String,
-    /// Side of the picture on which the patient's left is; of the lateral film, the patient's front.
-    pub patient_left: ImageSideName,
-    /// Whether it is shown with grey levels inverted relative to its file.
-    pub inverted: bool,
     /// Whether somebody compared it with the patient's records; checks then do not doubt it.
     pub checked: bool,
     /// Number of edits so far, to be sent with the next one.
@@ -132,7 +129,7 @@ pub struct ReadingSummary {
 }
 
 /// One study with the data of its first page.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct StudyDetail {
     /// Summary as in the list.
     pub summary: StudySummary,
@@ -158,29 +155,14 @@ pub struct LostChangeView {
 }
 
 /// A plan of blinded readings.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct PlanView {
     /// Whether results are hidden from this reader.
     pub blinded: bool,
     /// Next step of this reader.
     pub next: NextReading,
     /// The plan itself, for an admin who does not read, until the first reading begins.
-    pub change: Option<OpenPlanView>,
-}
-
-/// A plan that can be changed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct OpenPlanView {
-    /// Its number.
-    pub plan: i64,
-    /// Observers.
-    pub observers: Vec<String>,
-    /// Readings per film and observer.
-    pub repeats: u32,
-    /// Days between two readings of a film by one observer.
-    pub washout_days: u32,
-    /// Whether readers see vertebrae that the program proposes, and may accept them.
-    pub proposals: bool,
+    pub change: Option<OpenPlan>,
 }
 
 /// Next step of a blinded reader.
@@ -360,23 +342,7 @@ pub struct StudyChange {
     /// Revision that the requester has seen.
     pub expected_revision: u64,
     /// The change.
-    pub edit: StudyEditName,
-}
-
-/// Kinds of change of a study.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum StudyEditName {
-    /// Rename it: another label. Its identifier stays.
-    Label {
-        /// The label; null for none.
-        label: Option<String>,
-    },
-    /// Archive it, or restore it.
-    Archived {
-        /// Whether it is archived.
-        archived: bool,
-    },
+    pub edit: StudyEdit,
 }
 
 /// A change of a film's record.

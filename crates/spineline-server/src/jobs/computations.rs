@@ -7,21 +7,17 @@ use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
 use super::{Job, Jobs, Work};
-use crate::api::ComputationName;
+use crate::api::Computation;
 use crate::result_cache::StudyResult;
 
 /// A computation from one result.
-pub type ComputationJob = Job<ComputationName>;
+pub type ComputationJob = Job<Computation>;
 
-impl Work for ComputationName {
+impl Work for Computation {
     type Found = Found;
 
     fn key(&self) -> &'static str {
-        match self {
-            Self::Replicates => "replicates",
-            Self::Identifiability => "identifiability",
-            Self::Models => "models",
-        }
+        Self::key(*self)
     }
 }
 
@@ -66,11 +62,9 @@ impl Computed {
     }
 }
 
-impl Jobs<ComputationName> {
+impl Jobs<Computation> {
     /// The finished computations of these results.
     pub fn computed(&self, result: &Arc<StudyResult>) -> Computed {
-        Computed(
-            ComputationName::ALL.iter().filter_map(|name| self.of(result, name.key())).collect(),
-        )
+        Computed(Computation::ALL.iter().filter_map(|name| self.of(result, name.key())).collect())
     }
 }

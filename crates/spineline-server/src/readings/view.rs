@@ -16,7 +16,7 @@ use super::landmarks::landmarks;
 use super::lost;
 use crate::api::{
     AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, Proposal as ProposalView,
-    ReadingImage, ReadingView, Severity, SidesView, VertebraView, Wire, WithdrawalView,
+    ReadingView, Severity, SidesView, VertebraView, Wire, WithdrawalView,
 };
 use crate::problem::Answer;
 use crate::user::User;
@@ -77,7 +77,7 @@ fn view_of(
         withdrawn: record.withdrawn.as_ref().map(withdrawal_view),
         corrects: record.corrects.map(|corrected| corrected.0),
         synthetic: seen.study.synthetic,
-        image: image_of(&image, is_lateral, state.inverted.unwrap_or(film.inverted)),
+        image: words::image_of(&image, is_lateral, state.inverted.unwrap_or(film.inverted)),
         revision: state.revision,
         undoable: state.undoable,
         redoable: state.redoable,
@@ -120,19 +120,6 @@ pub fn withdrawal_view(withdrawal: &Withdrawal) -> WithdrawalView {
             WithdrawalCause::Reason(reason) => Some(reason.clone()),
             WithdrawalCause::CorrectedBy(_) => None,
         },
-    }
-}
-
-fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> ReadingImage {
-    ReadingImage {
-        columns: image.columns,
-        rows: image.rows,
-        pixel_aspect: words::pixel_aspect(image.spacing),
-        is_lateral,
-        patient_left: Wire(image.patient_left),
-        plane: words::plane_of(image),
-        spacing_text: words::spacing_text(image.spacing),
-        inverted,
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use spineline::action::LineKind;
-use spineline::analysis::Analysis;
+use spineline::analysis::{Analysis, FilmRole};
 use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::statistics::{Summary, box_summary};
@@ -13,11 +13,12 @@ use spineline::warning::WarningCode;
 use spineline_files::method_text::ChosenOptions;
 use spineline_store::StoreError;
 
-use super::summary::{ResultSummary, known, of_result, summary};
+use super::summary::{known, of_result, summary};
 use super::{notices, reliability};
 use crate::access::{prepared, sees_results};
 use crate::api::{
-    BoxChart, BoxView, CohortCell, CohortRow, CohortView, ComparisonView, Notice, Severity,
+    BoxChart, BoxView, CohortCell, CohortRow, CohortView, ComparisonView, Notice, ResultSummary,
+    Severity,
 };
 use crate::extract::Json;
 use crate::problem::Answer;
@@ -210,11 +211,9 @@ fn inflection_rotation_mdeg(analysis: &Analysis) -> Option<f64> {
 }
 
 fn charts(analyses: &[&Analysis], cohort: &Cohort) -> Vec<BoxChart> {
-    let errors = |title: &str, held_out: bool| {
-        let boxes = cohort.lines.iter().filter_map(|line| {
-            let errors = if held_out { &line.held_out } else { &line.fitted };
-            box_of(&line.kind.to_string(), &errors.all_location_mm)
-        });
+    let errors = |title: &str, role| {
+        let lines = cohort.compared.of_role(role);
+        let boxes = lines.filter_map(|line| box_of(&line.kind.to_string(), &line.all_location_mm));
         chart(title, "location error (mm)", boxes.collect())
     };
     let motions =
@@ -228,8 +227,8 @@ fn charts(analyses: &[&Analysis], cohort: &Cohort) -> Vec<BoxChart> {
     ];
     let [bends, others] = [1, 2].map(|i| &cohort.inflection[i].all_distances_segments);
     vec![
-        errors("Location errors on fitted films", false),
-        errors("Location errors on held-out films", true),
+        errors("Location errors on fitted films", FilmRole::Fitted),
+        errors("Location errors on held-out films", FilmRole::HeldOut),
         chart(
             "Rotation from the erect posture",
             "rotation (0.001°)",

@@ -55,7 +55,7 @@ fn view(
 ) -> ReliabilityView {
     let unit = &quantity.unit;
     let statistics = design.statistics.iter().map(|statistic| NamedText {
-        name: statistic.kind.name().to_owned(),
+        name: statistic.kind.to_string(),
         text: statistic.words(unit),
     });
     let subjects = NamedText {

@@ -8,24 +8,9 @@ use spineline_store::{Name, Store, StoreError};
 use super::{curves, notices};
 use crate::User;
 use crate::access::sees_results;
-use crate::api::{CurveSummary, Severity, StudyStatus};
+use crate::api::{ResultSummary, Severity, StudyStatus};
 use crate::result_cache::{Outcome, ResultCache, StudyResult};
 use crate::words::progress;
-
-/// A study's results for its row in the list.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ResultSummary {
-    /// Status.
-    pub status: StudyStatus,
-    /// Text of the status.
-    pub status_text: String,
-    /// The largest curve.
-    pub curve: Option<CurveSummary>,
-    /// Notices that are warnings.
-    pub warnings: usize,
-    /// Notices that are contradictions.
-    pub contradictions: usize,
-}
 
 impl ResultSummary {
     fn bare(status: StudyStatus, status_text: String) -> Self {

@@ -1,9 +1,9 @@
 //! One study as a user sees it, and a change of it.
 
-use spineline_store::{Name, Next, OpenPlan, Role, Store, Timestamp, Visibility};
+use spineline_store::{Name, Next, Role, Store, Timestamp, Visibility};
 
 use super::summary::study_summary;
-use crate::api::{Change, NextReading, OpenPlanView, PlanView, StudyDetail};
+use crate::api::{Change, NextReading, PlanView, StudyDetail};
 use crate::problem::Answer;
 use crate::readings;
 use crate::state::AppState;
@@ -58,14 +58,7 @@ fn plan_view(
     };
     // Observers do not see who else reads.
     let is_lead = visibility == Visibility::Apart && user.role == Role::Admin;
-    let open = if is_lead { store.open_plan(study)? } else { None };
-    let change = open.map(|OpenPlan { id, observers, design }| OpenPlanView {
-        plan: id,
-        observers: observers.iter().map(ToString::to_string).collect(),
-        repeats: design.repeats,
-        washout_days: design.washout_days,
-        proposals: design.proposals,
-    });
+    let change = if is_lead { store.open_plan(study)? } else { None };
     Ok(Some(PlanView { blinded: visibility != Visibility::Open, next, change }))
 }
 

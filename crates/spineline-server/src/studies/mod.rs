@@ -7,14 +7,12 @@ mod summary;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
-use spineline_store::{
-    Access, Account, Name, PlanDesign, Role, Store, StudyEdit, Visibility, system_random,
-};
+use spineline_store::{Access, Account, Name, PlanDesign, Role, Store, Visibility, system_random};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::access::{self, study_name};
-use crate::api::{NewPlan, Problem, StudyChange, StudyDetail, StudyEditName, StudySummary};
+use crate::api::{NewPlan, Problem, StudyChange, StudyDetail, StudySummary};
 use crate::attachment::attachment;
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
@@ -75,11 +73,7 @@ async fn edit_study(
         user.on_study(store, &study)?;
         let is_open = store.observer(&user.name).visibility(&study)? == Visibility::Open;
         user.need_on_study(store, &study, if is_open { Role::Editor } else { Role::Admin })?;
-        let edit = match change.edit {
-            StudyEditName::Label { label } => StudyEdit::Label(label),
-            StudyEditName::Archived { archived } => StudyEdit::Archived(archived),
-        };
-        let edited = store.edit_study(&study, &edit, change.expected_revision, &by);
+        let edited = store.edit_study(&study, &change.edit, change.expected_revision, &by);
         // A refused edit is reported too, because it is kept.
         asker.changes().send(&study, of_study(&user));
         edited?;

@@ -1,6 +1,6 @@
 //! Studies and films in the list of studies.
 
-use spineline::anatomy::ImageSide;
+use spineline::anatomy::{FilmView, ImageSide};
 use spineline::measure::ImageGeometry;
 use spineline_store::{FilmId, FilmRecord, Role, Store, Study, Visibility};
 
@@ -23,12 +23,11 @@ pub fn study_summary(
     let changed = store.last_change(&study.id)?;
     let overview = state.overviews().of(store, &study.id, changed.sequence)?;
     let visibility = store.observer(&user.name).visibility(&study.id)?;
-    let found = results::summary(state.results(), store, user, &study.id)?;
-    let (status, status_text) = match found.status {
+    let mut results = results::summary(state.results(), store, user, &study.id)?;
+    if matches!(results.status, StudyStatus::ToMark | StudyStatus::Marking) {
         // Landmarks of unfinished readings count as progress.
-        StudyStatus::ToMark | StudyStatus::Marking => overview.status.clone(),
-        status => (status, found.status_text),
-    };
+        (results.status, results.status_text) = overview.status.clone();
+    }
     let films = match visibility {
         // Postures would reveal the film.
         Visibility::Reader => Vec::new(),
@@ -45,12 +44,8 @@ pub fn study_summary(
         archived: study.archived,
         revision: study.revision,
         role: Wire(role),
-        status,
-        status_text,
+        results,
         films,
-        curve: found.curve,
-        warnings: found.warnings,
-        contradictions: found.contradictions,
         changed_ms: store.observer(&user.name).last_change(&study.id)?.at.unix_ms(),
     })
 }
@@ -95,14 +90,8 @@ fn summary_of(
     FilmSummary {
         film: film.id.0,
         posture: Wire(film.view),
-        columns: image.columns,
-        rows: image.rows,
-        pixel_aspect: words::pixel_aspect(image.spacing),
-        plane: words::plane_of(&image),
+        image: words::image_of(&image, film.view == FilmView::Lateral, film.inverted),
         row_mm: image.scale().map(|spacing| spacing.row_mm),
-        spacing_text: words::spacing_text(image.spacing),
-        patient_left: Wire(image.patient_left),
-        inverted: film.inverted,
         checked: film.stated.checked,
         revision: film.revision,
         readings: readings.collect(),

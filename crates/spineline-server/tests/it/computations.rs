@@ -66,9 +66,10 @@ fn parts(view: &Value) -> (Vec<String>, Vec<String>) {
     let sections = view["sections"].as_array().expect("sections");
     let (mut cells, mut pictures) = (Vec::new(), Vec::new());
     for block in sections.iter().flat_map(blocks) {
+        let of = &block["of"];
         match block["kind"].as_str() {
             Some("table") => cells.extend(
-                block["rows"]
+                of["rows"]
                     .as_array()
                     .expect("rows")
                     .iter()
@@ -76,11 +77,9 @@ fn parts(view: &Value) -> (Vec<String>, Vec<String>) {
             ),
             Some("figure") => {
                 assert!(
-                    block["svg"]
-                        .as_str()
-                        .is_some_and(|svg| svg.to_lowercase().contains("synthetic"))
+                    of["svg"].as_str().is_some_and(|svg| svg.to_lowercase().contains("synthetic"))
                 );
-                pictures.push(block["name"].as_str().expect("a name").to_owned());
+                pictures.push(of["name"].as_str().expect("a name").to_owned());
             }
             _ => {}
         }

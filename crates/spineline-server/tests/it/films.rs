@@ -193,7 +193,7 @@ fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
         "length_mm": 25.0, "length_sd_mm": 0.05, "calibrator": "ball" });
     let scaled = edit(0, ball).json();
     assert_eq!(scaled["revision"], 1);
-    let text = scaled["spacing_text"].as_str().expect("text");
+    let text = scaled["image"]["spacing_text"].as_str().expect("text");
     assert!(text.starts_with("0.250 × 0.250 mm") && text.contains("ball"), "{text}");
     let stale = edit(0, json!({ "kind": "inverted", "inverted": true }));
     assert_eq!(stale.status, StatusCode::CONFLICT);

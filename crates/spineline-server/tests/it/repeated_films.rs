@@ -141,8 +141,8 @@ fn a_study_takes_one_lateral_film_with_the_side_of_the_front() {
     assert_eq!(made.status, StatusCode::OK, "{}", made.text());
     let case = browser.get("/api/studies/S-1/case").text();
     let lateral = spineline_files::parse_case(&case).expect("a case").lateral.expect("its film");
-    assert_eq!((lateral.patient_anterior, lateral.simultaneous), (ImageSide::Right, true));
-    assert!(lateral.spacing.is_some());
+    assert_eq!((lateral.image.patient_left, lateral.simultaneous), (ImageSide::Right, true));
+    assert!(lateral.image.spacing.is_some());
     // The lateral film has no posture.
     let films = made.json()["summary"]["films"].clone();
     let film = films.as_array().expect("films").iter().find(|film| film["posture"] == "lateral");

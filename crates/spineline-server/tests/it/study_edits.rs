@@ -108,9 +108,10 @@ fn the_side_of_the_patient_is_corrected_before_a_film_is_read_and_a_scale_is_ent
         let body = json!({ "expected_revision": revision, "edit": edit });
         browser.post(&format!("/api/films/{number}/edits"), &body)
     };
-    let other = if film["patient_left"] == "image_left" { "image_right" } else { "image_left" };
+    let side = &film["image"]["patient_left"];
+    let other = if side == "image_left" { "image_right" } else { "image_left" };
     let side = json!({ "kind": "patient_left", "patient_left": other });
-    assert_eq!(edit(0, side.clone()).json()["patient_left"], other);
+    assert_eq!(edit(0, side.clone()).json()["image"]["patient_left"], other);
     let stated =
         |mm: f64| json!({ "kind": "stated", "column_mm": mm, "row_mm": mm, "plane": "patient" });
     assert_eq!(edit(1, stated(0.25)).json()["row_mm"], 0.25);

@@ -200,12 +200,13 @@ fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
     let mut store = finished(&folder);
     let study = name(STUDY);
     let open = store.begin_reading(FilmId(2), 1, &by("A", 60)).expect("a reading");
-    let label = StudyEdit::Label(Some("before brace".to_owned()));
+    let label = StudyEdit::Label { label: Some("before brace".to_owned()) };
     store.edit_study(&study, &label, 0, &by("lead", 61)).expect("renamed");
-    let stale = store.edit_study(&study, &StudyEdit::Label(None), 0, &by("lead", 62));
+    let stale = store.edit_study(&study, &StudyEdit::Label { label: None }, 0, &by("lead", 62));
     assert!(matches!(stale, Err(StoreError::Conflict { .. })), "{stale:?}");
     assert_eq!(store.conflicts_of_study(&study).expect("kept").len(), 1);
-    store.edit_study(&study, &StudyEdit::Archived(true), 1, &by("lead", 63)).expect("archived");
+    let archived = |archived| StudyEdit::Archived { archived };
+    store.edit_study(&study, &archived(true), 1, &by("lead", 63)).expect("archived");
     let found = store.study(&study).expect("a study");
     assert_eq!((found.label.as_deref(), found.archived), (Some("before brace"), true));
 
@@ -222,13 +223,13 @@ fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
         store.edit_film(FILM, FilmEdit::Inverted(false), 1, &who).map(drop),
         store.set_study_options(&study, &chosen, 0, &who).map(drop),
         store.add_films(&film, &who).map(drop),
-        store.edit_study(&study, &StudyEdit::Label(None), 2, &who).map(drop),
+        store.edit_study(&study, &StudyEdit::Label { label: None }, 2, &who).map(drop),
     ];
     for refused in refusals {
         assert!(matches!(refused, Err(StoreError::Archived { .. })), "{refused:?}");
     }
     assert_eq!(exported(&store).len(), 1, "it can be read and exported");
-    store.edit_study(&study, &StudyEdit::Archived(false), 2, &by("lead", 65)).expect("restored");
+    store.edit_study(&study, &archived(false), 2, &by("lead", 65)).expect("restored");
     store.record(open, &click, 0, &who).expect("a click");
     let words: Vec<String> = actions(&store).into_iter().map(|(_, action, _)| action).collect();
     for action in ["rename", "archive", "unarchive"] {

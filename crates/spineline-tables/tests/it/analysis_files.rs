@@ -6,8 +6,8 @@ use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
 use spineline::measure::FilmLandmarks;
 use spineline::reliability::{
-    BlandAltman, Design, DesignReliability, Icc, QuantityReliability, SemKind, Statistic,
-    StatisticEstimate, StatisticKind, Undefined,
+    BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticEstimate,
+    StatisticKind, Undefined,
 };
 use spineline_phantom::{Readers, Scenario, generate};
 use spineline_tables::{chain_table, cohort_tests_table, errors_table, statistics_table};
@@ -207,12 +207,9 @@ fn statistics_of_readings() {
         dropped: 1,
         repeats: vec![3, 2],
         statistics: vec![
+            statistic(StatisticKind::SemAgreement, Ok(estimate(1.5e-7, None, Ok([0.125, 2.0])))),
             statistic(
-                StatisticKind::Sem(SemKind::Agreement),
-                Ok(estimate(1.5e-7, None, Ok([0.125, 2.0]))),
-            ),
-            statistic(
-                StatisticKind::Icc(Icc::AgreementSingle),
+                StatisticKind::IccAgreement,
                 Ok(estimate(0.75, Some(0.0625), Err(Undefined::NoInterval))),
             ),
         ],
@@ -234,7 +231,7 @@ fn statistics_of_readings() {
         designs: vec![between, within],
     };
     let start = "false,tilt,inter_observer_means,,2,3 2,12,1";
-    let icc = StatisticKind::Icc(Icc::AgreementSingle).name();
+    let icc = StatisticKind::IccAgreement;
     let expected = format!(
         "synthetic,quantity,design,observer,raters,repeats,subjects,dropped,statistic,name,value,sd,\
          ci95_low,ci95_high,unit,undefined\n\
@@ -244,7 +241,7 @@ fn statistics_of_readings() {
          {start},bland_altman_lower_limit,\"B, junior minus A\",0.01,,,,deg,\n\
          {start},bland_altman_upper_limit,\"B, junior minus A\",0.99,,,,deg,\n\
          false,tilt,intra_observer,A,1,1,12,1,pearson,\"{}\",,,,,,one_repeat\n",
-        StatisticKind::Pearson.name()
+        StatisticKind::Pearson
     );
     assert_eq!(statistics_table(&[found], false).to_csv().expect("a table"), expected);
 }

@@ -153,58 +153,75 @@ pub(super) fn find_best_fit_lines(
             return;
         }
     };
-    let inflections_mm2 = inflections_along_mm2(movement);
-    let line_of = |film: usize, posture: &FilmMovement| {
-        let line = loads.line(film, posture.middle())?.line;
-        let places = movement.inflection_segments.zip(inflections_mm2);
-        let inflection = places.and_then(|(segments, along_mm2)| {
-            against_inflections(&loads, film, posture, segments, along_mm2, &line)
-        });
-        let given = options.given_line(&posture.outline);
-        let given = given.and_then(|given| against_given(&loads, film, posture, &line, &given));
-        let ends = [posture.outline.vertebrae[0].location, posture.outline.top()];
-        let heights = posture.inflection_points.unwrap_or(ends);
-        let [caudal, cranial] = heights.map(|point| {
-            let z_mm = point.z_mm;
-            let within = loads.crossing(film, z_mm)?;
-            Some(LineCrossing { z_mm, y_mm: line.y_mm_at(z_mm), within })
-        });
-        Some(BestFitLine {
-            crossings: [caudal?, cranial?],
-            inflection,
-            iliac: against_iliac(&loads, film, posture, &line),
-            given,
-            joint_log_sd: loads.joint_log_sd,
-            line,
-        })
+    let found = BestFit {
+        inflections_mm2: inflections_along_mm2(movement),
+        movement,
+        options,
+        loads: &loads,
     };
     // Loads are counted over the films that have evidence.
     let mut films = 0..;
-    let line_of_posture = |posture: &FilmMovement| {
+    let line_of = |posture: &FilmMovement| {
         posture.evidence.as_ref()?;
-        line_of(films.next()?, posture)
+        found.line(films.next()?, posture)
     };
-    let lines: Vec<Option<BestFitLine>> = movement.films.iter().map(line_of_posture).collect();
+    let lines: Vec<Option<BestFitLine>> = movement.films.iter().map(line_of).collect();
     for (film, line) in movement.films.iter_mut().zip(lines) {
         film.best_fit_line = line;
     }
 }
 
-fn against_inflections(
-    loads: &BestFitLoads,
-    film: usize,
-    posture: &FilmMovement,
-    segments: [usize; 2],
-    along_mm2: Matrix2<f64>,
-    line: &LineOfAction,
-) -> Option<LineComparison> {
-    let points = posture.inflection_points?;
-    let proposed = LineOfAction::through(points[0], points[1]).ok()?;
-    Some(LineComparison {
-        angle: line.angle_to(&proposed),
-        distance_mm: line.lever_arm_mm((points[0] + points[1]) * 0.5).abs(),
-        test: loads.test(film, &through_inflections(posture, segments, along_mm2)?)?,
-    })
+/// The loads of best fit, and what their lines are compared with.
+struct BestFit<'a> {
+    movement: &'a Movement,
+    options: &'a AnalysisOptions,
+    loads: &'a BestFitLoads,
+    inflections_mm2: Option<Matrix2<f64>>,
+}
+
+impl BestFit<'_> {
+    /// The line of a film, by its place among the films with evidence.
+    fn line(&self, film: usize, posture: &FilmMovement) -> Option<BestFitLine> {
+        let line = self.loads.line(film, posture.middle())?.line;
+        let compare = |other: &LineOfAction, at: Frontal, proposal: &ProposedLine| {
+            Some(LineComparison {
+                angle: line.angle_to(other),
+                distance_mm: line.lever_arm_mm(at).abs(),
+                test: self.loads.test(film, proposal)?,
+            })
+        };
+        let places = self.movement.inflection_segments.zip(self.inflections_mm2);
+        let inflection = places.and_then(|(segments, along_mm2)| {
+            let [a, b] = posture.inflection_points?;
+            let through = LineOfAction::through(a, b).ok()?;
+            compare(&through, (a + b) * 0.5, &through_inflections(posture, segments, along_mm2)?)
+        });
+        let iliac = posture.outline.iliac_normal.and_then(|normal| {
+            let t2 = posture.outline.top();
+            let iliac = LineOfAction::along_iliac(t2, Some(normal));
+            let (direction, sd) = (iliac.direction, crests_sd(posture));
+            compare(&iliac, t2, &ProposedLine::Along { direction, sd })
+        });
+        let given = self.options.given_line(&posture.outline).and_then(|given| {
+            let (nearest, proposal) = exactly(posture, &given);
+            compare(&given, nearest, &proposal)
+        });
+        let ends = [posture.outline.vertebrae[0].location, posture.outline.top()];
+        let heights = posture.inflection_points.unwrap_or(ends);
+        let [caudal, cranial] = heights.map(|point| {
+            let z_mm = point.z_mm;
+            let within = self.loads.crossing(film, z_mm)?;
+            Some(LineCrossing { z_mm, y_mm: line.y_mm_at(z_mm), within })
+        });
+        Some(BestFitLine {
+            crossings: [caudal?, cranial?],
+            inflection,
+            iliac,
+            given,
+            joint_log_sd: self.loads.joint_log_sd,
+            line,
+        })
+    }
 }
 
 /// Covariance of the two inflections along the spine, by the uncertainty of the erect curve and the length of a segment; by the
@@ -237,40 +254,6 @@ fn inflection_covariance(
         tangents[i / 2][i % 2] * along_mm2[(i / 2, j / 2)] * tangents[j / 2][j % 2]
     });
     Some(carried + spread.points_mm2(places))
-}
-
-fn against_iliac(
-    loads: &BestFitLoads,
-    film: usize,
-    posture: &FilmMovement,
-    line: &LineOfAction,
-) -> Option<LineComparison> {
-    let outline = &posture.outline;
-    let normal = outline.iliac_normal?;
-    let t2 = outline.top();
-    let iliac = LineOfAction::along_iliac(t2, Some(normal));
-    let direction = iliac.direction;
-    let sd = crests_sd(posture);
-    Some(LineComparison {
-        angle: line.angle_to(&iliac),
-        distance_mm: line.lever_arm_mm(t2).abs(),
-        test: loads.test(film, &ProposedLine::Along { direction, sd })?,
-    })
-}
-
-fn against_given(
-    loads: &BestFitLoads,
-    film: usize,
-    posture: &FilmMovement,
-    line: &LineOfAction,
-    given: &LineOfAction,
-) -> Option<LineComparison> {
-    let (nearest, proposal) = exactly(posture, given);
-    Some(LineComparison {
-        angle: line.angle_to(given),
-        distance_mm: line.lever_arm_mm(nearest).abs(),
-        test: loads.test(film, &proposal)?,
-    })
 }
 
 /// A given line, which is known exactly: through any two of its points there is the same statistic. The first one is its point nearest to

@@ -118,3 +118,12 @@ pub struct Case {
     /// A film from the side, for the sagittal profile.
     pub lateral: Option<LateralFilm>,
 }
+
+impl Case {
+    /// Frontal films of a person of whom nothing else is known.
+    #[must_use]
+    pub fn of_films(id: impl Into<String>, films: Vec<Film>) -> Self {
+        let subject = Subject::default();
+        Self { id: id.into(), synthetic: false, subject, films, lateral: None }
+    }
+}

@@ -1,37 +1,22 @@
 //! The verdict on a patient's models as one value, for lists of patients.
 
-use std::fmt;
-
 use super::Analysis;
 use super::comparison::Ranking;
 use crate::action::LineKind;
+use crate::anatomy::named;
 use crate::personalize::TestOutcome;
 
-/// The verdict of the films on a patient's models, all lines of action together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ModelsVerdict {
-    /// Some film may not show what it is named after ([`Analysis::film_doubts`]).
-    DoubtedFilm,
-    /// A bend rejects each of the lines that were not fitted to it ([`Analysis::compatibility`]).
-    Rejected,
-    /// No line that the bends do not reject predicts films better than a prediction without mechanics.
-    NoBetter,
-    /// Some line predicts films better than without mechanics, with an error below the limit, and the bends do not reject it.
-    Supported,
-}
-
-impl fmt::Display for ModelsVerdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::DoubtedFilm => "a film may not show what it is named after",
-            Self::Rejected => "the bends reject every line of action",
-            Self::NoBetter => {
-                "no line that the bends allow predicts films better than without mechanics"
-            }
-            Self::Supported => {
-                "a line predicts films better than without mechanics, and the bends do not reject it"
-            }
-        })
+named! {
+    /// The verdict of the films on a patient's models, all lines of action together.
+    pub enum ModelsVerdict {
+        /// Some film may not show what it is named after ([`Analysis::film_doubts`]).
+        DoubtedFilm = "doubted_film" as "a film may not show what it is named after",
+        /// A bend rejects each of the lines that were not fitted to it ([`Analysis::compatibility`]).
+        Rejected = "rejected" as "the bends reject every line of action",
+        /// No line that the bends do not reject predicts films better than a prediction without mechanics.
+        NoBetter = "no_better" as "no line that the bends allow predicts films better than without mechanics",
+        /// Some line predicts films better than without mechanics, with an error below the limit, and the bends do not reject it.
+        Supported = "supported" as "a line predicts films better than without mechanics, and the bends do not reject it",
     }
 }
 

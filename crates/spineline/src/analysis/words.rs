@@ -138,7 +138,7 @@ impl Analysis {
             "Plumb line of {} {} of the vertical line through {}",
             balance.plumb_level,
             beside(balance.coronal_balance_mm),
-            balance.reference.words()
+            balance.reference
         )];
         let tilts = [("T1", balance.t1_tilt), ("L4", balance.l4_tilt)];
         let known = tilts.into_iter().filter_map(|(level, tilt)| Some((level, tilt?)));

@@ -8,23 +8,11 @@ named! {
     /// Landmark for the centre of the sacrum, through which the central sacral vertical line runs.
     pub enum SacralReference {
         /// Middle of the tips of the iliac crests.
-        IliacCrests = "iliac_crests",
+        IliacCrests = "iliac_crests" as "the middle of the iliac crests",
         /// Midpoint of L5.
-        L5 = "l5",
+        L5 = "l5" as "L5",
         /// Midpoint of the model's lowest vertebra, which is L4 where that was seen; nothing lower was marked.
-        Base = "base",
-    }
-}
-
-impl SacralReference {
-    /// As text, such as `the middle of the iliac crests`.
-    #[must_use]
-    pub const fn words(self) -> &'static str {
-        match self {
-            Self::IliacCrests => "the middle of the iliac crests",
-            Self::L5 => "L5",
-            Self::Base => "the lowest vertebra of the model",
-        }
+        Base = "base" as "the lowest vertebra of the model",
     }
 }
 

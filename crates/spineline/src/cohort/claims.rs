@@ -2,9 +2,7 @@ use crate::action::{LineKind, LineOfAction};
 use crate::analysis::{Analysis, FilmMovement};
 use crate::anatomy::named;
 use crate::evaluate::Simulation;
-use crate::evaluate::statistics::{
-    Share, Summary, cluster_bootstrap, paired_t, quantile, ratio_bootstrap,
-};
+use crate::evaluate::statistics::{Resampling, Share, Summary, paired_t, quantile};
 use crate::measure::Outline;
 use crate::motion::least_windows;
 use crate::number::mean;
@@ -247,8 +245,8 @@ impl Claims {
         };
         let errors = [0, 1].map(|line| all(&|p| p.fitted_mm.map(|errors| errors[line])));
         let held_out = [0, 1].map(|line| all(&|p| p.held_out_mm.map(|errors| errors[line])));
-        let clusters: Vec<Vec<f64>> =
-            all(&|p| p.advantage_mm(true)).into_iter().map(|a| vec![a]).collect();
+        let advantages = all(&|p| p.advantage_mm(true));
+        let resampling = Resampling::new(RESAMPLES, seed);
         let median = if distances.is_empty() { f64::NAN } else { quantile(&distances, 0.5) };
         Self {
             patients: patients.len(),
@@ -257,16 +255,14 @@ impl Claims {
             median_distance_segments: median,
             rotations_deg,
             below_mean: 1.0 - rotations_deg[1] / rotations_deg[0],
-            below_mean_interval: ratio_bootstrap(&inflections, &means, RESAMPLES, seed)
+            below_mean_interval: resampling
+                .ratio_interval(&inflections, &means)
                 .map(|[low, high]| [1.0 - high, 1.0 - low]),
             better: wins(true),
             better_held_out: wins(false),
             errors_mm: [0, 1].map(|line: usize| Summary::of(&errors[line]).mean),
             held_out_errors_mm: [0, 1].map(|line: usize| Summary::of(&held_out[line]).mean),
-            advantage_mm: (
-                Summary::of(&clusters.concat()).mean,
-                cluster_bootstrap(&clusters, RESAMPLES, seed),
-            ),
+            advantage_mm: (Summary::of(&advantages).mean, resampling.interval(&advantages)),
             advantage_p: paired_t(&errors[0], &errors[1]).map(|t| t.p_less),
             third_points: [
                 patients.iter().map(|p| p.third_points_deg.len()).sum(),

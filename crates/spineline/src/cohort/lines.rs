@@ -9,6 +9,7 @@ use crate::action::LineKind;
 use crate::analysis::{FilmRole, FreeNumbers};
 use crate::anatomy::Posture;
 use crate::anatomy::named;
+use crate::evaluate::statistics::Summary;
 use crate::personalize::SIGNIFICANCE;
 
 named! {
@@ -51,6 +52,8 @@ pub struct RoleErrors {
     pub films: usize,
     /// Films without a result.
     pub without_result: usize,
+    /// Of these, the films whose shape does not count as a result.
+    pub unusable: usize,
     /// Location errors, in mm.
     pub location_mm: Clustered,
     /// All of them, patient by patient.
@@ -170,6 +173,37 @@ impl LinesOverPatients {
     pub fn kinds(&self) -> impl Iterator<Item = LineKind> {
         self.numbers.iter().map(|(kind, _)| *kind)
     }
+
+    /// Errors of the lines on the films of a role.
+    pub fn of_role(&self, role: FilmRole) -> impl Iterator<Item = &RoleErrors> {
+        self.errors.iter().filter(move |errors| errors.role == role)
+    }
+
+    /// Errors of a line on the films of a role; `None` where no patient has a model of it.
+    #[must_use]
+    pub fn of_line(&self, kind: LineKind, role: FilmRole) -> Option<&RoleErrors> {
+        self.of_role(role).find(|errors| errors.kind == kind)
+    }
+
+    /// The test of two lines on the films of a role; `None` where no patient has a model of one of them.
+    #[must_use]
+    pub fn test(
+        &self,
+        lines: [LineKind; 2],
+        role: FilmRole,
+        error: ErrorKind,
+    ) -> Option<&LinePairTest> {
+        self.tests.iter().find(|one| (one.lines, one.role, one.error) == (lines, role, error))
+    }
+
+    /// The inflection line against the iliac line on fitted films, as the paper tests them.
+    pub(super) fn paper_test(&self, error: ErrorKind, seed: u64) -> PairedComparison {
+        let found = self.test([LineKind::Inflection, LineKind::Iliac], FilmRole::Fitted, error);
+        found.map_or_else(
+            || PairedComparison::of_differences(Summary::of(&[]), &[], None, seed),
+            |test| test.comparison,
+        )
+    }
 }
 
 /// A line on the films of a role, by one of the errors.
@@ -197,6 +231,7 @@ fn role_errors(kinds: &[LineKind], patients: &Patients<'_>) -> Vec<RoleErrors> {
             role,
             films,
             without_result,
+            unusable: patients.count(|seen| seen.patient.unusable(role, kind)),
             location_mm,
             all_location_mm: patients.values(|seen, values| add(seen, &samples[0], values)),
             ferguson_deg,

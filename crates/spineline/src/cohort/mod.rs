@@ -35,9 +35,10 @@ pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
 pub use workers::{OneThread, Workers};
 
 use crate::action::LineKind;
+use crate::analysis::FilmRole;
 use crate::evaluate::statistics::{Resampling, Summary};
 use others::Seen;
-use patient::{Estimate, FilmErrors, PatientFilm};
+use patient::{Estimate, PatientFilm};
 use patients::Patients;
 
 /// Resamples of a cluster bootstrap.
@@ -71,34 +72,6 @@ impl EstimateStatistics {
     }
 }
 
-/// Errors of one model over some films.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ErrorStatistics {
-    /// Absolute errors of the Ferguson angles, in degrees.
-    pub ferguson_deg: Clustered,
-    /// Location errors of the vertebrae: E_LOC.
-    pub location_mm: Clustered,
-    /// All location errors in mm, patient by patient.
-    pub all_location_mm: Vec<f64>,
-    /// Films without a usable simulation.
-    pub unusable: usize,
-}
-
-/// One line of action over a cohort.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LineStatistics {
-    /// The line.
-    pub kind: LineKind,
-    /// On films that the stiffness was fitted to.
-    pub fitted: ErrorStatistics,
-    /// On films that it was not fitted to.
-    pub held_out: ErrorStatistics,
-    /// Joints per fitted film that turn against the force.
-    pub contradicted: Clustered,
-    /// Their part in the work of all joints.
-    pub contradicted_weight: Clustered,
-}
-
 /// All results of a cohort.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cohort {
@@ -128,8 +101,8 @@ pub struct Cohort {
     pub table_2: [PairedComparison; 4],
     /// Patients whose erect curve has exactly two inflections.
     pub two_inflections: usize,
-    /// Lines of action that were modelled.
-    pub lines: Vec<LineStatistics>,
+    /// By line of action that was modelled: joints per fitted film that turn against the force.
+    pub contradicted: Vec<(LineKind, Clustered)>,
     /// The lines on the same films, bends left out among them, with every test between them.
     pub compared: LinesOverPatients,
     /// Predictions without mechanics, and whether lines beat them.
@@ -205,7 +178,8 @@ impl Cohort {
         let [on_all, on_bends, on_others, mean_on_bends, mean_on_others] = estimates(&patients);
         let compared = LinesOverPatients::of(all, &patients);
         let kinds: Vec<LineKind> = compared.kinds().collect();
-        let [location_test, ferguson_test] = paper_tests(&patients);
+        let [location_test, ferguson_test] =
+            ErrorKind::ALL.map(|error| compared.paper_test(error, seed));
         let rotations: Vec<Summary> = all.iter().map(|patient| patient.rotation_deg).collect();
         let doubted = all.iter().filter(|patient| patient.has_doubted_film());
         Self {
@@ -224,7 +198,7 @@ impl Cohort {
             mean_least: [mean_on_bends, mean_on_others],
             table_2: table_2(&patients),
             two_inflections: all.iter().filter(|patient| patient.inflections == 2).count(),
-            lines: lines(&patients, &kinds),
+            contradicted: contradicted(&patients, &kinds),
             baselines: BaselinesOverPatients::of(all, &patients, &kinds),
             compared,
             ferguson_test,
@@ -240,12 +214,6 @@ impl Cohort {
     #[must_use]
     pub fn outcomes(&self, kind: LineKind) -> Option<&LineOutcomes> {
         self.outcomes.iter().find(|found| found.kind == kind)
-    }
-
-    /// One line's statistics.
-    #[must_use]
-    pub fn line(&self, kind: LineKind) -> Option<&LineStatistics> {
-        self.lines.iter().find(|line| line.kind == kind)
     }
 }
 
@@ -326,58 +294,11 @@ fn table_2(patients: &Patients<'_>) -> [PairedComparison; 4] {
     std::array::from_fn(|place| found[place])
 }
 
-/// A number of a film under a line, or several.
-type ErrorValues = fn(FilmErrors<'_>, &mut Vec<f64>);
-
-const FERGUSON: ErrorValues = |errors, values| values.extend_from_slice(errors.ferguson_deg());
-const LOCATION: ErrorValues = |errors, values| values.extend_from_slice(errors.location_mm());
-
-/// Errors of the lines on fitted and on held-out films.
-fn lines(patients: &Patients<'_>, kinds: &[LineKind]) -> Vec<LineStatistics> {
-    let samples: [(bool, ErrorValues); 6] = [
-        (true, FERGUSON),
-        (true, LOCATION),
-        (false, FERGUSON),
-        (false, LOCATION),
-        (true, |errors, values| values.push(errors.contradicted())),
-        (true, |errors, values| values.push(errors.contradicted_weight())),
-    ];
-    let of_lines: Vec<_> =
-        kinds.iter().map(|&kind| samples.map(|(fitted, of)| (kind, fitted, of))).collect();
-    let add = |seen: &Seen<'_>,
-               &(kind, fitted, of): &(LineKind, bool, ErrorValues),
-               values: &mut Vec<f64>| {
-        seen.patient.usable(kind, fitted).for_each(|(_, errors)| of(errors, values));
-    };
-    let found = patients.clustered(of_lines.as_flattened(), add);
-    let (found, _) = found.as_chunks::<6>();
-    let line = |(&kind, found): (&LineKind, &[Clustered; 6])| {
-        let errors = |fitted: bool, [ferguson_deg, location_mm]: [Clustered; 2]| ErrorStatistics {
-            ferguson_deg,
-            location_mm,
-            all_location_mm: patients
-                .values(|seen, values| add(seen, &(kind, fitted, LOCATION), values)),
-            unusable: patients.count(|seen| {
-                seen.patient.simulated(kind, fitted).filter(|(_, errors)| errors.is_none()).count()
-            }),
-        };
-        let [a, b, c, d, contradicted, contradicted_weight] = *found;
-        let (fitted, held_out) = (errors(true, [a, b]), errors(false, [c, d]));
-        LineStatistics { kind, fitted, held_out, contradicted, contradicted_weight }
-    };
-    kinds.iter().zip(found).map(line).collect()
-}
-
-/// Location and Ferguson errors of the inflection line against the iliac line, on fitted films that both could simulate.
-fn paper_tests(patients: &Patients<'_>) -> [PairedComparison; 2] {
-    let found = patients.compared(&ErrorKind::ALL, |seen, error, [a, b]| {
-        for (posture, first) in seen.patient.usable(LineKind::Inflection, true) {
-            let mut other = seen.patient.usable(LineKind::Iliac, true);
-            if let Some((_, second)) = other.find(|film| film.0 == posture) {
-                a.extend_from_slice(error.of(first));
-                b.extend_from_slice(error.of(second));
-            }
-        }
+/// By line: joints per fitted film that turn against the force.
+fn contradicted(patients: &Patients<'_>, kinds: &[LineKind]) -> Vec<(LineKind, Clustered)> {
+    let found = patients.clustered(kinds, |seen, &kind, values| {
+        let films = seen.patient.films_of(FilmRole::Fitted, [kind]);
+        values.extend(films.map(|[errors]| errors.contradicted()));
     });
-    [found[0], found[1]]
+    kinds.iter().copied().zip(found).collect()
 }

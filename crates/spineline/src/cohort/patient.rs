@@ -50,8 +50,8 @@ pub struct CohortPatient {
     pub(super) same_data: bool,
     /// Every film once per role.
     pub(super) compared: Box<[(Posture, FilmRole)]>,
-    /// Every film of `compared` under every line of `lines`.
-    under_lines: Box<[UnderLine]>,
+    /// By place of the film in `compared` and line: why there are no errors.
+    missing: Box<[Missing]>,
     /// By place of the film in `compared` and line ([`FilmErrors`]).
     errors: Numbers<(u8, LineKind)>,
     /// Location errors without mechanics and without other patients, in mm, by place of the film.
@@ -82,31 +82,25 @@ pub(super) struct Estimate {
     pub rotation_deg: f64,
 }
 
-/// A film under a line.
+/// A line without a result on a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct UnderLine {
-    /// Place of the film.
+struct Missing {
     film: u8,
     kind: LineKind,
-    /// Whether the stiffness was fitted to this very film.
-    fitted: bool,
-    /// Why the result of the line is missing.
-    missing: Option<NoResult>,
+    why: NoResult,
 }
 
-/// Errors of a line on a film: of the Ferguson angles, the joints that turn against the force, their part in the work of all
-/// joints, and the location errors.
+/// Errors of a line on a film: of the Ferguson angles, the joints that turn against the force, and the location errors.
 #[derive(Clone, Copy)]
 pub(super) struct FilmErrors<'a>(&'a [f64]);
 
 impl<'a> FilmErrors<'a> {
     const FERGUSON: usize = 3;
-    const BEFORE_LOCATIONS: usize = Self::FERGUSON + 2;
+    const BEFORE_LOCATIONS: usize = Self::FERGUSON + 1;
 
     fn numbers(simulation: &Simulation) -> Vec<f64> {
         let mut numbers = ferguson_errors_deg(simulation);
         numbers.push(simulation.contradicted.len() as f64);
-        numbers.push(simulation.contradicted_weight());
         numbers.extend_from_slice(&simulation.shape.location_errors_mm);
         numbers
     }
@@ -119,11 +113,6 @@ impl<'a> FilmErrors<'a> {
     /// Joints that turn against the force.
     pub fn contradicted(self) -> f64 {
         self.0[Self::FERGUSON]
-    }
-
-    /// Their part in the work of all joints.
-    pub fn contradicted_weight(self) -> f64 {
-        self.0[Self::FERGUSON + 1]
     }
 
     /// Location errors of the vertebrae, in mm.
@@ -155,7 +144,7 @@ impl CohortPatient {
         let movement = &analysis.movement;
         let compared = analysis.comparison();
         let films: Box<[_]> = compared.films.iter().map(|film| (film.posture, film.role)).collect();
-        let (under_lines, errors) = under_lines(compared, &analysis.models);
+        let (missing, errors) = under_lines(compared, &analysis.models);
         let erect = &movement.films[0].outline;
         let moved = movement.films[1..].iter().map(|film| &film.outline);
         let tested =
@@ -181,7 +170,7 @@ impl CohortPatient {
             tested_bends: tested_bends(analysis),
             lines: compared.lines.as_slice().into(),
             same_data: compared.same_data(),
-            under_lines,
+            missing,
             errors,
             baselines_mm: baselines_mm(&compared.films),
             hypotheses: analysis.hypotheses.iter().map(|fit| fit.hypothesis).collect(),
@@ -230,10 +219,9 @@ impl CohortPatient {
 
     /// Errors of a line on a film, or why they are missing.
     pub(super) fn result(&self, film: u8, kind: LineKind) -> Result<FilmErrors<'_>, NoResult> {
-        let is_asked = |one: &&UnderLine| one.film == film && one.kind == kind;
         self.errors.get(&(film, kind)).map(FilmErrors).ok_or_else(|| {
-            let found = self.under_lines.iter().find(is_asked);
-            found.and_then(|found| found.missing).unwrap_or(NoResult::NoModel)
+            let found = self.missing.iter().find(|one| (one.film, one.kind) == (film, kind));
+            found.map_or(NoResult::NoModel, |one| one.why)
         })
     }
 
@@ -250,31 +238,10 @@ impl CohortPatient {
         })
     }
 
-    /// Films that a line of all bends was fitted to, or those that it was not fitted to, with the errors of the line where its
-    /// shape is a result.
-    pub(super) fn simulated(
-        &self,
-        kind: LineKind,
-        fitted: bool,
-    ) -> impl Iterator<Item = (Posture, Option<FilmErrors<'_>>)> {
-        let lines = self.under_lines.iter();
-        let lines = lines.filter(move |one| one.kind == kind && one.fitted == fitted);
-        lines.filter_map(move |one| {
-            let (posture, role) = self.compared[usize::from(one.film)];
-            let has_shape = !matches!(one.missing, Some(NoResult::NoModel | NoResult::NoLine));
-            (role != FilmRole::LeftOutBend && has_shape)
-                .then(|| (posture, self.result(one.film, kind).ok()))
-        })
-    }
-
-    /// As [`Self::simulated`], of the shapes that are results.
-    pub(super) fn usable(
-        &self,
-        kind: LineKind,
-        fitted: bool,
-    ) -> impl Iterator<Item = (Posture, FilmErrors<'_>)> {
-        let films = self.simulated(kind, fitted);
-        films.filter_map(|(posture, errors)| Some((posture, errors?)))
+    /// Films of a role with a shape under a line that is no result.
+    pub(super) fn unusable(&self, role: FilmRole, kind: LineKind) -> usize {
+        let why = self.places(role).filter_map(|film| self.result(film, kind).err());
+        why.filter(|why| !matches!(why, NoResult::NoModel | NoResult::NoLine)).count()
     }
 
     /// Location errors of a prediction without mechanics from the patient's films; `None` without a result.
@@ -315,28 +282,27 @@ fn result_on(
     }
 }
 
+/// Every film under every line, by place of the film: why there is no result, and the errors of a result.
 fn under_lines(
     compared: &LinesCompared,
     models: &[LineModel],
-) -> (Box<[UnderLine]>, Numbers<(u8, LineKind)>) {
-    let (mut under_lines, mut errors) = (Vec::new(), Vec::new());
-    for (place, film) in (0..).zip(&compared.films) {
+) -> (Box<[Missing]>, Numbers<(u8, LineKind)>) {
+    let (mut missing, mut errors) = (Vec::new(), Vec::new());
+    for (place, film) in (0_u8..).zip(&compared.films) {
         let left_out = compared.left_out.iter().find(|bend| bend.posture == film.posture);
         let models = match (film.role, left_out) {
             (FilmRole::LeftOutBend, Some(bend)) => &bend.models,
             _ => models,
         };
         for kind in compared.lines.iter().map(|line| line.kind) {
-            let model = models.iter().find(|model| model.kind == kind);
-            let simulation = model.and_then(|model| model.simulation(film.posture));
-            let fitted = simulation.is_some_and(|simulation| simulation.fitted);
-            let result = result_on(models, kind, film.posture);
-            under_lines.push(UnderLine { film: place, kind, fitted, missing: result.err() });
-            errors.extend(result.ok().map(|found| ((place, kind), FilmErrors::numbers(found))));
+            match result_on(models, kind, film.posture) {
+                Ok(found) => errors.push(((place, kind), FilmErrors::numbers(found))),
+                Err(why) => missing.push(Missing { film: place, kind, why }),
+            }
         }
     }
     let errors = errors.iter().map(|(key, numbers)| (*key, &numbers[..]));
-    (under_lines.into(), Numbers::of(errors))
+    (missing.into(), Numbers::of(errors))
 }
 
 fn baselines_mm(films: &[ComparedFilm]) -> Numbers<(u8, Baseline)> {

@@ -125,9 +125,8 @@ impl LinesOverPatients {
             errors.films > 0 && own.map(|(_, free)| free.per_predicted_film) == few
         };
         let of_role = |role| {
-            let errors = self.errors.iter().filter(|errors| errors.role == role).filter(is_fair);
-            let best =
-                errors.min_by(|a, b| a.mean_location_mm().total_cmp(&b.mean_location_mm()))?;
+            let fair = self.of_role(role).filter(is_fair);
+            let best = fair.min_by(|a, b| a.mean_location_mm().total_cmp(&b.mean_location_mm()))?;
             (best.mean_location_mm() > Ranking::MAX_PREDICTED_MM).then(|| {
                 format!(
                     "No line with fewest parameters predicts {}: the smallest mean error, with the {}, is {} mm, above the limit of {} mm.",

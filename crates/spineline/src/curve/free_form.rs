@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector};
 use super::{CurveFit, CurveForm, Inflection};
 use crate::anatomy::Level;
 use crate::measure::{Measured, Outline};
+use crate::number::NORMAL_975;
 
 /// Sines of the process.
 const TERMS: usize = 24;
@@ -32,8 +33,6 @@ const LENGTHS: [f64; 5] = [0.10, 0.14, 0.20, 0.28, 0.40];
 const DEVIATIONS: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 /// Pairs of length scale and deviation with less weight than this are left out.
 const MIN_WEIGHT: f64 = 1e-3;
-/// 97.5 % of the normal distribution.
-const Z_95: f64 = 1.959_963_984_540_054;
 
 /// Where an inflection may lie, by the noise of the landmarks and the unknown form of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -197,7 +196,7 @@ impl Process {
     fn around(&self, zero_mm: f64, end_mm: f64) -> Option<[f64; 2]> {
         const STEP_MM: f64 = 0.25;
         let may_vanish =
-            |t: f64| self.mean(t).abs() <= Z_95 * self.covariance(t, t).max(0.0).sqrt();
+            |t: f64| self.mean(t).abs() <= NORMAL_975 * self.covariance(t, t).max(0.0).sqrt();
         let end = |way: f64| {
             (1..)
                 .map(|k| zero_mm + way * STEP_MM * f64::from(k))

@@ -247,7 +247,7 @@ pub fn holm(probabilities: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::statistics::cluster_bootstrap;
+    use crate::evaluate::statistics::Resampling;
     use rand_distr::{Distribution, StandardNormal};
     use statrs::distribution::{Continuous, StudentsT};
 
@@ -399,9 +399,8 @@ mod tests {
         let mut rng = ChaCha12Rng::seed_from_u64(5);
         let mut covered = 0;
         for seed in 0..300 {
-            let clusters: Vec<Vec<f64>> =
-                (0..15).map(|_| vec![StandardNormal.sample(&mut rng)]).collect();
-            let [low, high] = cluster_bootstrap(&clusters, 400, seed).expect("clusters");
+            let means: Vec<f64> = (0..15).map(|_| StandardNormal.sample(&mut rng)).collect();
+            let [low, high] = Resampling::new(400, seed).interval(&means).expect("clusters");
             covered += u32::from(low <= 0.0 && 0.0 <= high);
         }
         // Percentile intervals of n values cover like z with the deviation of n: 91 to 93 % at 15.

@@ -8,6 +8,8 @@ use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+use crate::number::NORMAL_975;
+
 /// Mean and standard deviation of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
@@ -57,7 +59,7 @@ impl Summary {
     /// Normal-theory 95 % interval of the mean, as if all values were independent.
     #[must_use]
     pub fn normal_interval(&self) -> [f64; 2] {
-        let half = 1.959_963_984_540_054 * self.sd / (self.n as f64).sqrt();
+        let half = NORMAL_975 * self.sd / (self.n as f64).sqrt();
         [self.mean - half, self.mean + half]
     }
 }
@@ -104,8 +106,6 @@ pub struct PairedT {
     pub p_two_sided: f64,
     /// Probability of so low a t if the means are equal: small where `a` is below `b`.
     pub p_less: f64,
-    /// Mean difference over the standard deviation of the differences (Cohen's d of a paired sample).
-    pub effect_size: f64,
 }
 
 /// Paired t-test; `None` for samples of unequal length, fewer than two pairs, or differences without any spread.
@@ -130,7 +130,6 @@ impl PairedT {
             t,
             p_two_sided: 2.0 * student.sf(t.abs()),
             p_less: student.cdf(t),
-            effect_size: summary.mean / summary.sd,
         })
     }
 }
@@ -172,18 +171,17 @@ pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// Percentile interval of a mean by resampling whole clusters (patients) with a stated seed.
-///
-/// Every resample draws as many clusters as there are, with replacement, and takes the mean of the cluster means, so
-/// that a patient counts once however many values there are. `None` for fewer than two clusters.
-#[must_use]
-pub fn cluster_bootstrap(clusters: &[Vec<f64>], resamples: u32, seed: u64) -> Option<[f64; 2]> {
-    let with_values = clusters.iter().filter(|cluster| !cluster.is_empty());
-    let means: Vec<f64> = with_values.map(|cluster| Summary::of(cluster).mean).collect();
-    Resampling::new(resamples, seed).interval(&means)
+/// The ends of the middle 95 %.
+fn central_95(mut values: Vec<f64>) -> [f64; 2] {
+    values.sort_by(f64::total_cmp);
+    [0.025, 0.975].map(|part| quantile(&values, part))
 }
 
-/// [`cluster_bootstrap`] of many samples: which clusters a resample draws is the same for all samples of as many clusters.
+/// Percentile intervals by resampling whole clusters (patients) with a stated seed.
+///
+/// Every resample draws as many clusters as there are, with replacement, and takes the mean of the cluster means, so
+/// that a patient counts once however many values there are. Which clusters it draws is the same for all samples of as many
+/// clusters. `None` for fewer than two clusters.
 #[derive(Debug, Clone, Copy)]
 pub struct Resampling {
     resamples: u32,
@@ -222,15 +220,23 @@ impl Resampling {
         for n in sizes.into_iter().filter(|&n| n > 1) {
             let alike: Vec<usize> = (0..samples.len()).filter(|&i| samples[i].len() == n).collect();
             let means: Vec<&[f64]> = alike.iter().map(|&i| samples[i]).collect();
-            for (&place, mut sums) in alike.iter().zip(self.sums(&means, n)) {
-                for sum in &mut sums {
-                    *sum /= n as f64;
-                }
-                sums.sort_by(f64::total_cmp);
-                found[place] = Some([quantile(&sums, 0.025), quantile(&sums, 0.975)]);
+            for (&place, sums) in alike.iter().zip(self.sums(&means, n)) {
+                let drawn = sums.into_iter().map(|sum| sum / n as f64);
+                found[place] = Some(central_95(drawn.collect()));
             }
         }
         found
+    }
+
+    /// The interval of a ratio of two means, from a pair of numbers per cluster. `None` also for samples of unequal length.
+    #[must_use]
+    pub fn ratio_interval(&self, above: &[f64], below: &[f64]) -> Option<[f64; 2]> {
+        let n = above.len();
+        if n < 2 || below.len() != n {
+            return None;
+        }
+        let sums = self.sums(&[above, below], n);
+        Some(central_95(sums[0].iter().zip(&sums[1]).map(|(a, b)| a / b).collect()))
     }
 
     /// By sample of `n` means: the sum of those that each resample draws.
@@ -303,43 +309,13 @@ impl Share {
     }
 
     fn wilson(share: f64, n: usize) -> Self {
-        const Z: f64 = 1.959_963_984_540_054;
+        const Z: f64 = NORMAL_975;
         let units = n as f64;
         let centre = (share + 0.5 * Z * Z / units) / (1.0 + Z * Z / units);
         let half = Z / (1.0 + Z * Z / units)
             * (share * (1.0 - share) / units + 0.25 * Z * Z / (units * units)).sqrt();
         Self { share, n, interval: [(centre - half).max(0.0), (centre + half).min(1.0)] }
     }
-}
-
-/// Percentile interval of a ratio of two means by resampling pairs (patients) with a stated seed.
-///
-/// `None` for fewer than two pairs or samples of unequal length.
-#[must_use]
-pub fn ratio_bootstrap(
-    above: &[f64],
-    below: &[f64],
-    resamples: u32,
-    seed: u64,
-) -> Option<[f64; 2]> {
-    let n = above.len();
-    if n < 2 || below.len() != n {
-        return None;
-    }
-    let mut rng = ChaCha12Rng::seed_from_u64(seed);
-    let mut drawn: Vec<f64> = (0..resamples)
-        .map(|_| {
-            let (mut a, mut b) = (0.0, 0.0);
-            for _ in 0..n {
-                let i = rng.random_range(0..n);
-                a += above[i];
-                b += below[i];
-            }
-            a / b
-        })
-        .collect();
-    drawn.sort_by(f64::total_cmp);
-    Some([quantile(&drawn, 0.025), quantile(&drawn, 0.975)])
 }
 
 #[cfg(test)]
@@ -403,12 +379,14 @@ mod tests {
     fn the_ratio_bootstrap_is_exact_where_all_ratios_are_equal_and_covers_elsewhere() {
         let below: Vec<f64> = (1..=30).map(f64::from).collect();
         let above: Vec<f64> = below.iter().map(|b| 0.25 * b).collect();
-        assert_eq!(ratio_bootstrap(&above, &below, 200, 3), Some([0.25, 0.25]));
+        let few = Resampling::new(200, 3);
+        assert_eq!(few.ratio_interval(&above, &below), Some([0.25, 0.25]));
         let above: Vec<f64> = (0..30).map(|i| if i % 2 == 0 { 2.0 } else { 0.0 }).collect();
-        let [low, high] = ratio_bootstrap(&above, &[1.0; 30], 2000, 3).expect("pairs");
+        let found = Resampling::new(2000, 3).ratio_interval(&above, &[1.0; 30]);
+        let [low, high] = found.expect("pairs");
         // Normal theory: 1 ± 1.96 · 1 / √30.
         assert!((low - 0.642).abs() < 0.08 && (high - 1.358).abs() < 0.08);
-        assert_eq!(ratio_bootstrap(&above, &below[1..], 200, 3), None);
+        assert_eq!(few.ratio_interval(&above, &below[1..]), None);
     }
 
     #[test]
@@ -420,18 +398,18 @@ mod tests {
 
     #[test]
     fn the_cluster_bootstrap_covers_the_mean_and_depends_on_its_seed_only() {
-        let clusters: Vec<Vec<f64>> = (0..20).map(|i| vec![f64::from(i); 5]).collect();
-        let interval = cluster_bootstrap(&clusters, 2000, 7).expect("clusters");
+        let means: Vec<f64> = (0..20).map(f64::from).collect();
+        let interval = Resampling::new(2000, 7).interval(&means).expect("clusters");
         assert!(interval[0] < 9.5 && 9.5 < interval[1]);
         // Normal theory for the mean of 0..19: 9.5 ± 1.96 * 5.77 / sqrt(20), about 7.0 to 12.0.
         assert!((interval[0] - 7.0).abs() < 0.4 && (interval[1] - 12.0).abs() < 0.4);
-        assert_eq!(Some(interval), cluster_bootstrap(&clusters, 2000, 7));
+        assert_eq!(Some(interval), Resampling::new(2000, 7).interval(&means));
         // Drawn together with others, a sample has the interval that it has alone.
-        let means: Vec<f64> = clusters.iter().map(|cluster| Summary::of(cluster).mean).collect();
         let turned: Vec<f64> = means.iter().map(|mean| -mean).collect();
-        let together = Resampling::new(2001, 7).intervals(&[&means, &means[1..], &turned, &[]]);
-        let alone = |clusters: &[Vec<f64>]| cluster_bootstrap(clusters, 2001, 7);
-        assert_eq!(together[..2], [alone(&clusters), alone(&clusters[1..])]);
+        let resampling = Resampling::new(2001, 7);
+        let together = resampling.intervals(&[&means, &means[1..], &turned, &[]]);
+        let alone = |means: &[f64]| resampling.interval(means);
+        assert_eq!(together[..2], [alone(&means), alone(&means[1..])]);
         assert_eq!(together[2], together[0].map(|[low, high]| [-high, -low]));
         assert_eq!(together[3], None);
     }

@@ -1,7 +1,5 @@
 //! Axial rotation of vertebrae from their pedicles on a frontal film.
 
-use std::fmt;
-
 use super::VertebraLandmarks;
 use crate::anatomy::{Level, Morphometry, PediclePlace, Side, named};
 use crate::spatial::{Angle, Frontal, Pixel};
@@ -88,13 +86,16 @@ impl AxialRotation {
 }
 
 /// Why two pedicles give no rotation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PedicleFault {
     /// A coordinate is not a number, or a pedicle lies outside of the picture.
+    #[error("a pedicle does not lie on the picture")]
     OffImage,
     /// The left one lies on the right of the other, across the axis of the body.
+    #[error("its left and right pedicles are exchanged")]
     SidesExchanged,
     /// One lies more than the width of the body from its centre.
+    #[error("a pedicle lies beside its body")]
     FarFromBody,
 }
 
@@ -114,16 +115,6 @@ impl PedicleFault {
     }
 }
 
-impl fmt::Display for PedicleFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::OffImage => "a pedicle does not lie on the picture",
-            Self::SidesExchanged => "its left and right pedicles are exchanged",
-            Self::FarFromBody => "a pedicle lies beside its body",
-        })
-    }
-}
-
 /// The pedicles of one body across its axis, from its centre to the left, and its width, in the unit of the film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PediclePair {
@@ -139,8 +130,7 @@ impl PediclePair {
     ) -> Result<Self, PedicleFault> {
         let body = landmark.corners.map(&frontal);
         // Across the axis the mean of the corners is twice as sure as the crossing of the diagonals.
-        let corners = body.points().into_iter();
-        let centre = corners.fold(Frontal::default(), |sum, corner| sum + corner) * 0.25;
+        let centre = body.centre();
         let across = |place: Option<Pixel>| {
             place.map(|place| (frontal(place) - centre).rotated(-body.measure_tilt()).y_mm)
         };

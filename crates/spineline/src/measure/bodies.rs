@@ -3,21 +3,13 @@
 use std::collections::BTreeMap;
 
 use super::{Corners, Film, FilmLandmarks, Noise, Reading, ReadingId, ReadingSquares};
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{FilmView, Level};
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
 
-/// Which film is checked.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum CheckedFilm {
-    Frontal(Posture),
-    /// Its anterior corners stand for the left corners of a frontal film.
-    Lateral,
-}
-
-impl CheckedFilm {
-    /// The names of the corners in their order.
-    pub const fn corners(self) -> [&'static str; 4] {
+impl FilmView {
+    /// The names of the corners in their order; on a lateral film the anterior ones stand for the left ones of a frontal film.
+    pub(super) const fn corners(self) -> [&'static str; 4] {
         match self {
             Self::Frontal(_) => {
                 ["superior left", "superior right", "inferior left", "inferior right"]
@@ -32,7 +24,7 @@ impl CheckedFilm {
     }
 
     /// The names of the pairs of opposite sides: the walls, and the endplates.
-    pub const fn sides(self) -> [&'static str; 2] {
+    pub(super) const fn sides(self) -> [&'static str; 2] {
         let walls = match self {
             Self::Frontal(_) => "its left and right sides",
             Self::Lateral => "its anterior and posterior sides",
@@ -41,7 +33,13 @@ impl CheckedFilm {
     }
 
     /// Warns about a vertebra of this film.
-    pub fn warn(self, code: WarningCode, level: Level, text: String, warnings: &mut Warnings) {
+    pub(super) fn warn(
+        self,
+        code: WarningCode,
+        level: Level,
+        text: String,
+        warnings: &mut Warnings,
+    ) {
         match self {
             Self::Frontal(posture) => {
                 warnings.vertebra(code, posture, level, text);
@@ -53,7 +51,7 @@ impl CheckedFilm {
     }
 
     /// Warns about this film.
-    pub fn warn_of_film(self, code: WarningCode, text: String, warnings: &mut Warnings) {
+    pub(super) fn warn_of_film(self, code: WarningCode, text: String, warnings: &mut Warnings) {
         match self {
             Self::Frontal(posture) => {
                 warnings.film(code, posture, text);

@@ -56,8 +56,7 @@ impl CornerOrder {
 /// The body whose corner of each place is given in the place that the order names.
 fn in_order(body: &Corners<Frontal>, order: [usize; 4]) -> Corners<Frontal> {
     let given = body.points();
-    let [superior_left, superior_right, inferior_left, inferior_right] = order.map(|k| given[k]);
-    Corners { superior_left, superior_right, inferior_left, inferior_right }
+    order.map(|k| given[k]).into()
 }
 
 /// Whether four corners make a body whose axis runs along the spine there.
@@ -94,8 +93,7 @@ mod tests {
             for (place, k) in order.into_iter().enumerate() {
                 given[k] = places[place];
             }
-            let [superior_left, superior_right, inferior_left, inferior_right] = given;
-            Corners { superior_left, superior_right, inferior_left, inferior_right }
+            Corners::from(given)
         };
         (0..8).map(body).collect()
     }

@@ -1,23 +1,22 @@
-use std::fmt;
-
 use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal};
 
-/// The four corners of a vertebral body, named by the **patient's** sides.
+/// The four corners of a vertebral body, named by the **patient's** sides; on a lateral film the anterior corners stand for the left
+/// ones, and the posterior for the right ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Corners<P> {
-    /// Superior endplate, patient's left.
+    /// Superior endplate, patient's left; on a lateral film anterior.
     pub superior_left: P,
-    /// Superior endplate, patient's right.
+    /// Superior endplate, patient's right; on a lateral film posterior.
     pub superior_right: P,
-    /// Inferior endplate, patient's left.
+    /// Inferior endplate, patient's left; on a lateral film anterior.
     pub inferior_left: P,
-    /// Inferior endplate, patient's right.
+    /// Inferior endplate, patient's right; on a lateral film posterior.
     pub inferior_right: P,
 }
 
 named! {
-    /// A corner by endplate and by the patient's side.
+    /// A corner by endplate and by the patient's side; on a lateral film the anterior side stands for the left one.
     pub enum CornerName {
         /// Superior endplate, patient's left.
         SuperiorLeft = "superior_left",
@@ -59,15 +58,19 @@ impl CornerName {
 }
 
 /// Why four corners are not a vertebral body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CornerFault {
     /// The diagonals do not meet inside: two neighbouring corners are exchanged, or one is far off.
+    #[error("the diagonals of its corners do not meet inside the body")]
     Crossed,
     /// The left corners lie on the right.
+    #[error("its left and right corners are exchanged")]
     SidesExchanged,
     /// The inferior corners lie above the superior ones.
+    #[error("its superior and inferior corners are exchanged")]
     UpsideDown,
     /// Corners coincide or lie on one line.
+    #[error("its corners coincide or lie on one line")]
     Flat,
 }
 
@@ -85,17 +88,6 @@ impl CornerFault {
             Self::UpsideDown => "exchange the superior and inferior corners of this vertebra",
             Self::Flat => "mark the four corners of this vertebra again",
         }
-    }
-}
-
-impl fmt::Display for CornerFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Crossed => "the diagonals of its corners do not meet inside the body",
-            Self::SidesExchanged => "its left and right corners are exchanged",
-            Self::UpsideDown => "its superior and inferior corners are exchanged",
-            Self::Flat => "its corners coincide or lie on one line",
-        })
     }
 }
 
@@ -261,8 +253,6 @@ pub(super) fn normal_tilt(to_left: Frontal) -> Angle {
     Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt()
 }
 
-impl std::error::Error for CornerFault {}
-
 impl<P: Copy> Corners<P> {
     /// The corners in reading order: superior left and right, inferior left and right.
     #[must_use]
@@ -279,6 +269,13 @@ impl<P: Copy> Corners<P> {
             inferior_left: f(self.inferior_left),
             inferior_right: f(self.inferior_right),
         }
+    }
+}
+
+impl<P> From<[P; 4]> for Corners<P> {
+    /// The inverse of [`Corners::points`].
+    fn from([superior_left, superior_right, inferior_left, inferior_right]: [P; 4]) -> Self {
+        Self { superior_left, superior_right, inferior_left, inferior_right }
     }
 }
 

@@ -9,13 +9,6 @@ use crate::anatomy::{FilmView, Level, Levels, Posture};
 use crate::fault::{ErrorPlace, faults};
 use crate::number::fixed;
 
-/// The corners in their order, as errors name them.
-const CORNER_NAMES: [&str; 4] =
-    ["superior left", "superior right", "inferior left", "inferior right"];
-/// The same on a lateral film.
-const LATERAL_CORNER_NAMES: [&str; 4] =
-    ["superior anterior", "superior posterior", "inferior anterior", "inferior posterior"];
-
 const CRESTS_HELP: &str =
     "mark the superior tips of both crests again, or leave `iliac_crests_px` out";
 const ORDER_HELP: &str =
@@ -370,20 +363,15 @@ faults! {
             count: usize,
         },
         /// The four corners are given in another order in every vertebra of a film.
-        #[error("in all {count} vertebrae {}", order.words(CORNER_NAMES))]
+        #[error("in all {count} vertebrae {}", order.words(view.corners()))]
         #[code("corner_order")]
-        #[help("give the corners of every vertebra as superior left, superior right, inferior left, inferior right, and not around the body; left is the patient's, so check `patient_left` too")]
+        #[help(match view {
+            FilmView::Frontal(_) => "give the corners of every vertebra as superior left, superior right, inferior left, inferior right, and not around the body; left is the patient's, so check `patient_left` too",
+            FilmView::Lateral => "give the corners of every vertebra as superior anterior, superior posterior, inferior anterior, inferior posterior, and not around the body",
+        })]
         CornerOrder {
-            /// Vertebrae marked.
-            count: usize,
-            /// The order.
-            order: CornerOrder,
-        },
-        /// The same on the lateral film.
-        #[error("in all {count} vertebrae {}", order.words(LATERAL_CORNER_NAMES))]
-        #[code("corner_order")]
-        #[help("give the corners of every vertebra as superior anterior, superior posterior, inferior anterior, inferior posterior, and not around the body")]
-        LateralCornerOrder {
+            /// View of the film.
+            view: FilmView,
             /// Vertebrae marked.
             count: usize,
             /// The order.

@@ -9,7 +9,8 @@ use crate::anatomy::{ImageSide, Level, Posture, named};
 use crate::number::fixed;
 use crate::spatial::{Angle, Frontal, Pixel};
 
-/// The geometry of a picture: its size, the distance between its pixels, and the side of the patient's left.
+/// The geometry of a picture: its size, the distance between its pixels, and the side of the patient's left; of a lateral film, the
+/// side of the patient's front.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageGeometry {
     /// Number of columns.
@@ -18,7 +19,7 @@ pub struct ImageGeometry {
     pub rows: u32,
     /// Distances between its pixels, or their shape alone; `None` where unknown: then pixels are the unit, and taken as square.
     pub spacing: Option<Spacing>,
-    /// The side of the picture on which the patient's left is.
+    /// The side of the picture on which the patient's left is; of a lateral film, the patient's front.
     pub patient_left: ImageSide,
 }
 
@@ -67,8 +68,8 @@ impl ImageGeometry {
         Ok(())
     }
 
-    /// A place of the picture in millimetres, `y` to the patient's left and `z` up the film; in widths of a pixel where the picture
-    /// has no scale.
+    /// A place of the picture in millimetres, `y` to the patient's left (on a lateral film to the front) and `z` up the film; in widths
+    /// of a pixel where the picture has no scale.
     ///
     /// ```
     /// use spineline::anatomy::ImageSide;
@@ -130,7 +131,7 @@ impl ImageGeometry {
             && (-0.5..f64::from(self.rows) - 0.5).contains(&place.row_px)
     }
 
-    /// Which way the patient's left lies when the column grows.
+    /// Which way the side of `patient_left` lies when the column grows.
     fn left_per_column(&self) -> f64 {
         match self.patient_left {
             ImageSide::Left => -1.0,

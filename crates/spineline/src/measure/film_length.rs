@@ -6,6 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::number::NORMAL_975;
 use crate::spatial::Frontal;
 
 /// How lengths of several films of one patient are compared.
@@ -50,7 +51,7 @@ impl FilmScale {
     /// The 95 % interval.
     #[must_use]
     pub fn interval_95(&self) -> [f64; 2] {
-        let half = 1.959_963_984_540_054 * self.log_sd;
+        let half = NORMAL_975 * self.log_sd;
         [-half, half].map(|log| self.factor * log.exp())
     }
 }

@@ -2,25 +2,26 @@
 
 use std::fmt;
 
-use crate::anatomy::Level;
+use crate::anatomy::{Level, named};
 use crate::number::fixed;
 
 /// The length by the median step may differ from the length of all steps by this factor: proportions of spines vary (assumption).
 const NEAR: f64 = 1.25;
 
-/// The probable unit of lengths that are wrong by this factor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SuspectedUnit {
-    /// Metres.
-    Metres,
-    /// Centimetres.
-    Centimetres,
-    /// Inches.
-    Inches,
-    /// Micrometres.
-    Micrometres,
-    /// Numbers of pixels.
-    Pixels,
+named! {
+    /// The probable unit of lengths that are wrong by this factor.
+    pub enum SuspectedUnit {
+        /// Metres.
+        Metres = "metres",
+        /// Centimetres.
+        Centimetres = "centimetres",
+        /// Inches.
+        Inches = "inches",
+        /// Micrometres.
+        Micrometres = "micrometres",
+        /// Numbers of pixels.
+        Pixels = "numbers of pixels",
+    }
 }
 
 impl SuspectedUnit {
@@ -38,18 +39,6 @@ impl SuspectedUnit {
         let unit = nearest.filter(|&(_, factor)| off(factor) < 0.9).map(|(unit, _)| unit);
         // Pixels of films are 0.07 to 0.6 mm wide.
         unit.or_else(|| (1.5..15.0).contains(&ratio).then_some(Self::Pixels))
-    }
-}
-
-impl fmt::Display for SuspectedUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Metres => "metres",
-            Self::Centimetres => "centimetres",
-            Self::Inches => "inches",
-            Self::Micrometres => "micrometres",
-            Self::Pixels => "numbers of pixels",
-        })
     }
 }
 

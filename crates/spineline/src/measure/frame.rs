@@ -137,11 +137,9 @@ pub fn body_widths(film: &Film, levels: Levels) -> Vec<Option<f64>> {
 /// Mean height of the two sides and mean width of the endplates of one body, in the film's millimetres or in pixels.
 pub(super) fn body_shape(image: &ImageGeometry, landmark: &VertebraLandmarks) -> [f64; 2] {
     let corners = landmark.corners.map(|corner| image.frontal(corner));
-    let upper = corners.superior_left.distance_mm(corners.superior_right);
-    let lower = corners.inferior_left.distance_mm(corners.inferior_right);
     let left = corners.superior_left.distance_mm(corners.inferior_left);
     let right = corners.superior_right.distance_mm(corners.inferior_right);
-    [0.5 * (left + right), 0.5 * (upper + lower)]
+    [0.5 * (left + right), corners.mean_width_mm()]
 }
 
 /// Mean height of the two sides and mean width of the endplates of some bodies, as [`body_widths`].

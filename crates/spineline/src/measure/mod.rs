@@ -66,7 +66,7 @@ pub use film_size::{FilmSize, SuspectedUnit};
 pub(crate) use frame::body_shapes;
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub(crate) use interpolation::InterpolationError;
-pub use lateral::{LateralCorners, LateralFilm, LateralOutline, LateralVertebra};
+pub use lateral::{LateralFilm, LateralOutline, LateralVertebra};
 pub(crate) use measure_film::outline_of;
 pub use measure_film::{check_landmarks, measure_film};
 pub(crate) use noise::ReadingSquares;

@@ -4,8 +4,8 @@
 //! is the place of the body, which no warning is about; a further deviation of one corner is its own error.
 
 use super::Corners;
-use super::bodies::{CheckedFilm, ReadBodies, median};
-use crate::anatomy::Level;
+use super::bodies::{ReadBodies, median};
+use crate::anatomy::{FilmView, Level};
 use crate::number::fixed;
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
@@ -38,7 +38,7 @@ impl Predicted {
 
 /// Warnings about corners that their neighbours in the same reading contradict.
 pub(super) fn warn_of_corners_off_the_trend(
-    film: CheckedFilm,
+    film: FilmView,
     reading: &ReadBodies<'_>,
     warnings: &mut Warnings,
 ) {

@@ -7,9 +7,10 @@ use super::corner_order::CornerOrder;
 use super::plausibility::fits_exchanged;
 use super::{
     CornerFault, Corners, Film, FilmLandmarks, FilmPlace, ImageGeometry, MeasureError,
-    MeasureFault, Placement, ProgramCorners, Reading, TiltRule, VertebraLandmarks, VertebraOrigin,
+    MeasureFault, Placement, ProgramCorners, Reading, ReadingId, TiltRule, VertebraLandmarks,
+    VertebraOrigin,
 };
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{FilmView, Level, Posture};
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
 
@@ -150,7 +151,7 @@ fn place_usable(
             Err(found) => {
                 let error = fault(level, found);
                 if !is_needless(level, &error) {
-                    return Err(in_all(posture, reading, &all).unwrap_or(error));
+                    return Err(in_all(posture.into(), &reading.id, &all).unwrap_or(error));
                 }
                 unusable.push((level, error));
             }
@@ -160,7 +161,7 @@ fn place_usable(
         for level in levels {
             let error = fault(level, found);
             if !is_needless(level, &error) {
-                return Err(in_all(posture, reading, &all).unwrap_or(error));
+                return Err(in_all(posture.into(), &reading.id, &all).unwrap_or(error));
             }
             if let Some(place) = bodies.iter().position(|body| body.level == level) {
                 bodies.remove(place);
@@ -194,15 +195,14 @@ impl Body<'_> {
     }
 }
 
-/// The error of corners in another order, where they are in all bodies of the reading.
-fn in_all(
-    posture: Posture,
-    reading: &Reading<VertebraLandmarks>,
+/// The error of corners in another order, where they are in all bodies of a reading.
+pub(super) fn in_all(
+    view: FilmView,
+    id: &ReadingId,
     bodies: &[Corners<Frontal>],
 ) -> Option<MeasureError> {
-    let fault = |order| MeasureFault::CornerOrder { count: bodies.len(), order };
-    let place = FilmPlace::reading(posture, &reading.id);
-    CornerOrder::of(bodies).map(|order| fault(order).at(place))
+    let fault = |order| MeasureFault::CornerOrder { view, count: bodies.len(), order };
+    CornerOrder::of(bodies).map(|order| fault(order).at(FilmPlace::reading(view, id)))
 }
 
 /// Bodies that are upside down, and bodies whose sides are exchanged; an error where the film is mirrored.

@@ -1,13 +1,13 @@
 //! Landmarks that no film of a spine can show, or that one reading alone shows.
 
-use super::bodies::{CheckedFilm, ReadBodies, median};
+use super::bodies::{ReadBodies, median};
 use super::confidence::warn_of_confidence;
 use super::lengths::warn_of_lengths;
 use super::neighbours::warn_of_corners_off_the_trend;
 use super::readings_apart::warn_of_readings_apart;
 use super::rounding::warn_of_rounding;
 use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, ReadingId, VertebraLandmarks};
-use crate::anatomy::Level;
+use crate::anatomy::{FilmView, Level};
 use crate::number::fixed;
 use crate::spatial::{Angle, Frontal, Pixel};
 use crate::warning::{WarningCode, Warnings};
@@ -74,7 +74,7 @@ pub(super) fn fits_exchanged(image: &ImageGeometry, reading: &Reading<VertebraLa
 
 /// Warnings about the corners and lengths of a frontal film.
 pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings) {
-    warn_of_corners(CheckedFilm::Frontal(film.posture), &ReadBodies::of_film(film), warnings);
+    warn_of_corners(film.posture.into(), &ReadBodies::of_film(film), warnings);
     warn_of_lengths(film, warnings);
     warn_of_rounding(film, warnings);
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
@@ -120,15 +120,15 @@ pub fn judge_reading(film: &Film, id: &ReadingId) -> Warnings {
         readings.retain(|reading| reading.id == *id);
     }
     warn_of_implausible_landmarks(&alone, &mut warnings);
-    let (film_checked, readings) = (CheckedFilm::Frontal(film.posture), ReadBodies::of_film(film));
-    warn_of_outliers(film_checked, &readings, Some(id), &mut warnings);
-    warn_of_readings_apart(film_checked, &readings, Some(id), &mut warnings);
+    let (view, readings) = (film.posture.into(), ReadBodies::of_film(film));
+    warn_of_outliers(view, &readings, Some(id), &mut warnings);
+    warn_of_readings_apart(view, &readings, Some(id), &mut warnings);
     warnings
 }
 
 /// Warnings about the corners of every reading by itself, and about readings against one another.
 pub(super) fn warn_of_corners(
-    film: CheckedFilm,
+    film: FilmView,
     readings: &[ReadBodies<'_>],
     warnings: &mut Warnings,
 ) {
@@ -144,7 +144,7 @@ pub(super) fn warn_of_corners(
 
 /// Opposite sides of one body.
 fn warn_of_sides(
-    film: CheckedFilm,
+    film: FilmView,
     id: &ReadingId,
     level: Level,
     body: &Corners<Frontal>,
@@ -186,7 +186,7 @@ fn warn_of_axis(
 
 /// Corners far from the median of all readings: of one reading, or of any.
 fn warn_of_outliers(
-    film: CheckedFilm,
+    film: FilmView,
     readings: &[ReadBodies<'_>],
     of: Option<&ReadingId>,
     warnings: &mut Warnings,

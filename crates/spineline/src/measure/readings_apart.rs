@@ -1,8 +1,8 @@
 //! Readings of one film that name its vertebrae differently, or place them far apart.
 
-use super::bodies::{CheckedFilm, ReadBodies, median};
+use super::bodies::{ReadBodies, median};
 use super::{Corners, ReadingId};
-use crate::anatomy::Level;
+use crate::anatomy::{FilmView, Level};
 use crate::number::{fixed, mean};
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings, levels_apart};
@@ -54,7 +54,7 @@ impl Pair {
 
 /// Compares every reading of a film, or the one that is asked for, with the first other one.
 pub(super) fn warn_of_readings_apart(
-    film: CheckedFilm,
+    film: FilmView,
     readings: &[ReadBodies<'_>],
     of: Option<&ReadingId>,
     warnings: &mut Warnings,

@@ -17,28 +17,10 @@ const SIZE_WEIGHT: f64 = 1e-2;
 /// Sizes of load, in rad, from which minima are sought.
 const START_SIZES: [f64; 4] = [0.1, 0.2, 0.4, 0.8];
 
-/// A minimum of T2's distance.
-pub(super) trait Minimum {
-    fn distance_mm(&self) -> f64;
-    fn load_size(&self) -> f64;
-}
-
-impl Minimum for ForceMatch {
-    fn distance_mm(&self) -> f64 {
-        self.residual.distance_mm().unwrap_or(f64::INFINITY)
-    }
-
-    fn load_size(&self) -> f64 {
-        self.force_n.abs()
-    }
-}
-
-/// The one that counts; the first of equals.
-fn smallest_near_t2<T: Minimum>(minima: Vec<T>, least_mm: f64) -> Option<T> {
-    minima
-        .into_iter()
-        .filter(|found| found.distance_mm() <= least_mm + T2_TOLERANCE_MM)
-        .min_by(|a, b| a.load_size().total_cmp(&b.load_size()))
+/// Of minima of T2's distance the one that counts; the first of equals. `of` gives the distance in mm and the size of the load.
+fn smallest_near_t2<T>(minima: Vec<T>, least_mm: f64, of: impl Fn(&T) -> [f64; 2]) -> Option<T> {
+    let near = minima.into_iter().filter(|found| of(found)[0] <= least_mm + T2_TOLERANCE_MM);
+    near.min_by(|a, b| of(a)[1].total_cmp(&of(b)[1]))
 }
 
 /// Finds the force of the given signs that brings T2 nearest to a place.
@@ -72,7 +54,10 @@ pub(crate) fn nearest_on_path(
     path.found.retain(ForceMatch::is_usable);
     let minima = std::mem::take(&mut path.found);
     let least_mm = path.least_residual();
-    match smallest_near_t2(minima, least_mm) {
+    let of = |found: &ForceMatch| {
+        [found.residual.distance_mm().unwrap_or(f64::INFINITY), found.force_n.abs()]
+    };
+    match smallest_near_t2(minima, least_mm, of) {
         Some(found) => ForceMatch { other_mm: path.least_elsewhere(found.force_n), ..found },
         None => path.first_or_nearest(),
     }
@@ -87,23 +72,6 @@ pub(crate) trait SeveralComponents {
     fn t2(&mut self, components: &[f64]) -> Option<(Frontal, Vec<Frontal>)>;
 }
 
-/// A minimum for several components.
-struct Found {
-    components: DVector<f64>,
-    distance_mm: f64,
-    size: f64,
-}
-
-impl Minimum for Found {
-    fn distance_mm(&self) -> f64 {
-        self.distance_mm
-    }
-
-    fn load_size(&self) -> f64 {
-        self.size
-    }
-}
-
 /// The components that bring T2 nearest to a place, sought from no load and from each of the first `started` components by
 /// itself, both ways and in several sizes. The size of a load is `|size · components|`, in rad.
 pub(crate) fn nearest_from_starts(
@@ -112,18 +80,18 @@ pub(crate) fn nearest_from_starts(
     started: usize,
     place: Frontal,
 ) -> Option<DVector<f64>> {
-    let mut minima = Vec::new();
+    // Distance in mm and size, and components.
+    let mut minima: Vec<([f64; 2], DVector<f64>)> = Vec::new();
     for start in starts_of_sizes(size, started) {
         let Some(components) = minimum_from(load, size, place, start) else { continue };
         // From the unloaded spine, as the shape is computed that is shown.
         load.restart();
         if let Some((t2, _)) = load.t2(components.as_slice()) {
-            let distance_mm = t2.distance_mm(place);
-            minima.push(Found { distance_mm, size: (size * &components).norm(), components });
+            minima.push(([t2.distance_mm(place), (size * &components).norm()], components));
         }
     }
-    let least_mm = minima.iter().map(Found::distance_mm).fold(f64::INFINITY, f64::min);
-    smallest_near_t2(minima, least_mm).map(|found| found.components)
+    let least_mm = minima.iter().map(|(of, _)| of[0]).fold(f64::INFINITY, f64::min);
+    smallest_near_t2(minima, least_mm, |(of, _)| *of).map(|(_, components)| components)
 }
 
 /// No load, and each of the first `started` components by itself, both ways and in several sizes.

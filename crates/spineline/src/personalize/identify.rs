@@ -178,6 +178,17 @@ pub enum ProfileEnd {
     Lost(f64),
 }
 
+impl ProfileEnd {
+    /// The multiplier `α` at this end, where the films set it.
+    #[must_use]
+    pub fn multiplier(self) -> Option<f64> {
+        match self {
+            Self::At(log) => Some(log.exp()),
+            Self::Open | Self::Lost(_) => None,
+        }
+    }
+}
+
 named! {
     /// What the films identify of a multiplier.
     pub enum IntervalVerdict {

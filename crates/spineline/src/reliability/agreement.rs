@@ -1,23 +1,19 @@
-use super::icc::MeanSquares;
-use super::quantile::{NORMAL_975, chi_squared_interval, t_975};
+use super::quantile::{chi_squared_interval, t_975};
 use super::ratings::Ratings;
 use super::{StatisticEstimate, Undefined};
+use crate::number::NORMAL_975;
 
-/// Which part of the error is meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SemKind {
-    /// Raters' offsets and random error: another rater's reading of the same subject.
-    Agreement,
-    /// Random error alone: the same rater's, or raters whose offsets do not matter.
-    Consistency,
+/// Variance of the error of a rating.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ErrorVariance {
+    pub value: f64,
+    /// Degrees of freedom.
+    pub freedom: f64,
 }
 
 /// Standard error of measurement: the deviation of one rating from its subject's true value.
-pub(super) fn sem(squares: &MeanSquares, kind: SemKind) -> StatisticEstimate {
-    let (variance, freedom) = match kind {
-        SemKind::Agreement => squares.agreement_variance(),
-        SemKind::Consistency => squares.consistency_variance(),
-    };
+pub(super) fn sem(error: ErrorVariance) -> StatisticEstimate {
+    let ErrorVariance { value: variance, freedom } = error;
     let interval = if variance > 0.0 {
         chi_squared_interval(freedom)
             .map(|[low, high]| [high, low].map(|chi| (variance * freedom / chi).sqrt()))

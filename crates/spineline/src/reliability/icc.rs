@@ -1,45 +1,7 @@
+use super::agreement::ErrorVariance;
 use super::quantile::f_975;
 use super::ratings::Ratings;
 use super::{StatisticEstimate, Undefined};
-
-/// Forms of the intraclass correlation for raters who all rate all subjects.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Icc {
-    /// ICC(2,1) of [shrout-fleiss-1979], ICC(A,1) of [mcgraw-wong-1996].
-    AgreementSingle,
-    /// ICC(3,1), ICC(C,1).
-    ConsistencySingle,
-    /// ICC(2,k), ICC(A,k).
-    AgreementAverage,
-}
-
-impl Icc {
-    /// Both symbols with model, definition and unit.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::AgreementSingle => {
-                "ICC(2,1) = ICC(A,1): two-way random, absolute agreement, single rater"
-            }
-            Self::ConsistencySingle => {
-                "ICC(3,1) = ICC(C,1): two-way mixed, consistency, single rater"
-            }
-            Self::AgreementAverage => {
-                "ICC(2,k) = ICC(A,k): two-way random, absolute agreement, mean of k raters"
-            }
-        }
-    }
-
-    /// Its formula in the mean squares of [`super::StatisticKind::definition`].
-    #[must_use]
-    pub const fn definition(self) -> &'static str {
-        match self {
-            Self::AgreementSingle => "(MSR - MSE)/(MSR + (k - 1) MSE + k (MSC - MSE)/n)",
-            Self::ConsistencySingle => "(MSR - MSE)/(MSR + (k - 1) MSE)",
-            Self::AgreementAverage => "(MSR - MSE)/(MSR + (MSC - MSE)/n)",
-        }
-    }
-}
 
 /// Two-way analysis of variance without replication.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,42 +62,54 @@ impl MeanSquares {
 
     /// Variance of one rating about its subject's true value, with its degrees of freedom; with the raters' offsets
     /// [de-vet-2006], whose variance is zero where it is estimated below. Freedom after Satterthwaite.
-    pub(super) fn agreement_variance(&self) -> (f64, f64) {
+    pub(super) fn agreement_variance(&self) -> ErrorVariance {
         if self.is_rater_variance_negative() {
             return self.consistency_variance();
         }
         let Self { n, k, columns, error, .. } = *self;
         let parts = [columns / n, (n - 1.0) * error / n];
-        let variance = parts[0] + parts[1];
+        let value = parts[0] + parts[1];
         let spread = parts[0].powi(2) / (k - 1.0) + parts[1].powi(2) / ((k - 1.0) * (n - 1.0));
-        (variance, variance * variance / spread)
+        ErrorVariance { value, freedom: value * value / spread }
     }
 
     /// The same without the raters' offsets.
-    pub(super) fn consistency_variance(&self) -> (f64, f64) {
-        (self.error, (self.n - 1.0) * (self.k - 1.0))
+    pub(super) fn consistency_variance(&self) -> ErrorVariance {
+        ErrorVariance { value: self.error, freedom: (self.n - 1.0) * (self.k - 1.0) }
     }
 
-    pub(super) fn icc(&self, icc: Icc) -> Result<StatisticEstimate, Undefined> {
+    /// ICC(2,1): absolute agreement, single rater.
+    pub(super) fn icc_agreement(&self) -> Result<StatisticEstimate, Undefined> {
         let Self { n, k, rows, columns, error } = *self;
+        let total = rows + (k - 1.0) * error + k * (columns - error) / n;
+        self.icc(total, Self::agreement_interval)
+    }
+
+    /// ICC(3,1): consistency, single rater.
+    pub(super) fn icc_consistency(&self) -> Result<StatisticEstimate, Undefined> {
+        self.icc(self.rows + (self.k - 1.0) * self.error, Self::consistency_interval)
+    }
+
+    /// ICC(2,k): absolute agreement, mean of the raters.
+    pub(super) fn icc_average(&self) -> Result<StatisticEstimate, Undefined> {
+        self.icc(self.rows + (self.columns - self.error) / self.n, Self::average_interval)
+    }
+
+    /// The coefficient with a sum of variances, and its interval.
+    fn icc(
+        &self,
+        total: f64,
+        interval: fn(&Self) -> Option<[f64; 2]>,
+    ) -> Result<StatisticEstimate, Undefined> {
+        let Self { k, rows, columns, error, .. } = *self;
         if rows <= 0.0 && error <= 0.0 {
             return Err(Undefined::ZeroVariance);
         }
-        let total = match icc {
-            Icc::AgreementSingle => rows + (k - 1.0) * error + k * (columns - error) / n,
-            Icc::ConsistencySingle => rows + (k - 1.0) * error,
-            Icc::AgreementAverage => rows + (columns - error) / n,
-        };
         // Relative to its terms, so that rounding makes no denominator.
         if total <= 1e-12 * (rows + columns + k * error) {
             return Err(Undefined::VarianceNotPositive);
         }
-        let interval = match icc {
-            Icc::AgreementSingle => self.agreement_interval(),
-            Icc::ConsistencySingle => self.consistency_interval(),
-            Icc::AgreementAverage => self.average_interval(),
-        };
-        let interval = interval
+        let interval = interval(self)
             .filter(|[low, high]| low.is_finite() && high.is_finite())
             .ok_or(Undefined::NoInterval);
         Ok(StatisticEstimate { value: (rows - error) / total, sd: None, interval })

@@ -50,12 +50,13 @@ mod study;
 mod tests;
 mod words;
 
-pub use agreement::{BlandAltman, SemKind};
+pub use agreement::BlandAltman;
 pub use films::{FilmQuantities, film_quantities};
-pub use icc::Icc;
 pub use ratings::RatedQuantity;
 pub use study::{Design, DesignReliability, QuantityReliability, Remark, assess};
 pub use words::{shown_coefficient, shown_measure};
+
+use crate::anatomy::named;
 
 /// Why the value of a statistic is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -122,81 +123,55 @@ impl Undefined {
     }
 }
 
-/// What is estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StatisticKind {
-    /// Standard error of measurement.
-    Sem(SemKind),
-    /// Smallest change between two readings that is more than error, with 95 % confidence.
-    Mdc95(SemKind),
-    /// Intraclass correlation.
-    Icc(Icc),
-    /// Pearson's correlation, mean over the pairs of raters: the paper's.
-    Pearson,
+named! {
+    /// What is estimated, the errors first. The text has the symbol, then its definition or model.
+    pub enum StatisticKind {
+        /// Standard error of measurement with raters' offsets and random error: another rater's reading of the same subject.
+        SemAgreement = "sem_agreement" as "SEM, agreement",
+        /// Smallest change between two readings that is more than this error, with 95 % confidence.
+        Mdc95Agreement = "mdc95_agreement" as "MDC95, agreement",
+        /// Standard error of measurement with random error alone: the same rater's, or raters whose offsets do not matter.
+        SemConsistency = "sem_consistency" as "SEM, consistency",
+        /// Smallest change between two readings that is more than this error, with 95 % confidence.
+        Mdc95Consistency = "mdc95_consistency" as "MDC95, consistency",
+        /// Intraclass correlation ICC(2,1) of [shrout-fleiss-1979], ICC(A,1) of [mcgraw-wong-1996].
+        IccAgreement = "icc_2_1" as "ICC(2,1) = ICC(A,1): two-way random, absolute agreement, single rater",
+        /// ICC(3,1), ICC(C,1).
+        IccConsistency = "icc_3_1" as "ICC(3,1) = ICC(C,1): two-way mixed, consistency, single rater",
+        /// ICC(2,k), ICC(A,k).
+        IccAverage = "icc_2_k" as "ICC(2,k) = ICC(A,k): two-way random, absolute agreement, mean of k raters",
+        /// Pearson's correlation, mean over the pairs of raters: the paper's.
+        Pearson = "pearson" as "Pearson r, mean over pairs of raters (the paper's)",
+    }
 }
 
 impl StatisticKind {
-    /// All, the errors first.
-    pub const ALL: [Self; 8] = [
-        Self::Sem(SemKind::Agreement),
-        Self::Mdc95(SemKind::Agreement),
-        Self::Sem(SemKind::Consistency),
-        Self::Mdc95(SemKind::Consistency),
-        Self::Icc(Icc::AgreementSingle),
-        Self::Icc(Icc::ConsistencySingle),
-        Self::Icc(Icc::AgreementAverage),
-        Self::Pearson,
-    ];
-
-    /// Stable name.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Sem(SemKind::Agreement) => "sem_agreement",
-            Self::Sem(SemKind::Consistency) => "sem_consistency",
-            Self::Mdc95(SemKind::Agreement) => "mdc95_agreement",
-            Self::Mdc95(SemKind::Consistency) => "mdc95_consistency",
-            Self::Icc(Icc::AgreementSingle) => "icc_2_1",
-            Self::Icc(Icc::ConsistencySingle) => "icc_3_1",
-            Self::Icc(Icc::AgreementAverage) => "icc_2_k",
-            Self::Pearson => "pearson",
-        }
-    }
-
-    /// The symbol and its full name: model, definition, unit.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sem(SemKind::Agreement) => "SEM, agreement",
-            Self::Sem(SemKind::Consistency) => "SEM, consistency",
-            Self::Mdc95(SemKind::Agreement) => "MDC95, agreement",
-            Self::Mdc95(SemKind::Consistency) => "MDC95, consistency",
-            Self::Icc(icc) => icc.name(),
-            Self::Pearson => "Pearson r, mean over pairs of raters (the paper's)",
-        }
-    }
-
     /// Its formula. MSR, MSC and MSE are the mean squares of subjects, raters and rest of the two-way table of n subjects
     /// and k raters.
     #[must_use]
     pub const fn definition(self) -> &'static str {
         match self {
-            Self::Sem(SemKind::Agreement) => {
+            Self::SemAgreement => {
                 "sqrt(MSE + max(0, MSC - MSE)/n): raters' offsets and random error"
             }
-            Self::Sem(SemKind::Consistency) => {
-                "sqrt(MSE): random error alone, without raters' offsets"
-            }
-            Self::Mdc95(_) => "1.96 sqrt(2) SEM",
-            Self::Icc(icc) => icc.definition(),
+            Self::SemConsistency => "sqrt(MSE): random error alone, without raters' offsets",
+            Self::Mdc95Agreement | Self::Mdc95Consistency => "1.96 sqrt(2) SEM",
+            Self::IccAgreement => "(MSR - MSE)/(MSR + (k - 1) MSE + k (MSC - MSE)/n)",
+            Self::IccConsistency => "(MSR - MSE)/(MSR + (k - 1) MSE)",
+            Self::IccAverage => "(MSR - MSE)/(MSR + (MSC - MSE)/n)",
             Self::Pearson => "covariance over the product of standard deviations",
         }
+    }
+
+    /// Whether it is an intraclass correlation.
+    pub(crate) const fn is_icc(self) -> bool {
+        matches!(self, Self::IccAgreement | Self::IccConsistency | Self::IccAverage)
     }
 
     /// Whether it carries the unit of the readings; else it has none.
     #[must_use]
     pub const fn has_unit(self) -> bool {
-        matches!(self, Self::Sem(_) | Self::Mdc95(_))
+        !self.is_icc() && !matches!(self, Self::Pearson)
     }
 }
 

@@ -6,9 +6,6 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::beta::checked_beta_reg;
 
-/// Normal quantile of a two-sided 95 % interval.
-pub(super) const NORMAL_975: f64 = 1.959_963_984_540_054;
-
 /// 97.5 % quantile of F; `None` where it cannot be written as a number.
 pub(super) fn f_975(freedom_1: f64, freedom_2: f64) -> Option<f64> {
     if !(freedom_1 > 0.0 && freedom_2 > 0.0) {

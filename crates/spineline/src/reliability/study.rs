@@ -1,22 +1,24 @@
-use std::fmt;
-
 use super::agreement::{bland_altman, mdc95, pairs, pearson, sem};
 use super::icc::MeanSquares;
 use super::ratings::{Ratings, Reader};
 use super::{BlandAltman, RatedQuantity, Statistic, StatisticEstimate, StatisticKind, Undefined};
 use crate::measure::{alike_observers, alike_words};
+use crate::warning::counted;
 
 /// Who is compared with whom.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Design {
     /// Observers, each by the mean over his repeats: the paper's inter-observer design.
+    #[error("between observers, means of repeats")]
     InterObserverMeans,
     /// Observers, each by one reading: how far two people's single readings are apart.
+    #[error("between observers, repeat {repeat} alone")]
     InterObserverSingle {
         /// The repeat that is taken of each.
         repeat: u32,
     },
     /// The repeats of one observer.
+    #[error("within observer {observer}")]
     IntraObserver {
         /// Which observer.
         observer: String,
@@ -35,22 +37,13 @@ impl Design {
     }
 }
 
-impl fmt::Display for Design {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::InterObserverMeans => write!(f, "between observers, means of repeats"),
-            Self::InterObserverSingle { repeat } => {
-                write!(f, "between observers, repeat {repeat} alone")
-            }
-            Self::IntraObserver { observer } => write!(f, "within observer {observer}"),
-        }
-    }
-}
-
 /// A remark for readers of the numbers.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Remark {
     /// Subjects that somebody did not read are left out.
+    #[error(
+        "{dropped} of {subjects} subjects were not read equally often by all observers and are left out"
+    )]
     Dropped {
         /// How many.
         dropped: usize,
@@ -58,31 +51,46 @@ pub enum Remark {
         subjects: usize,
     },
     /// Observers' means rest on different numbers of repeats, so their errors differ.
+    #[error("observers read {} to {} times, so their means are not equally precise", repeats[0], repeats[1])]
     UnequalRepeats {
         /// Fewest and most repeats.
         repeats: [usize; 2],
     },
     /// Limits between means are narrower than between single readings.
+    #[error(
+        "SEM, MDC95 and limits of agreement are for means over repeats; single readings differ more"
+    )]
     MeansAreSteadier,
     /// Names of observers that differ by capitals and marks alone count as several observers.
+    #[error("{}", alike_words(names))]
     AlikeNames {
         /// The names.
         names: Vec<String>,
     },
     /// The variance between raters is estimated below zero.
+    #[error(
+        "the raters' means differ by less than the random error explains: the variance between raters is estimated below zero and counts as zero in SEM and MDC95 for agreement, which equal those for consistency; the ICCs keep their published formula"
+    )]
     NoRaterVariance,
     /// A coefficient is negative: raters differ more within subjects than between them. It is shown as it is.
+    #[error(
+        "the ICC is negative: raters differ more within subjects than subjects differ; it is reported unchanged"
+    )]
     NegativeIcc,
     /// All raters agree to the last digit, so the error's size is not known; rounding may hide it.
+    #[error("all raters agree exactly, so the error cannot be estimated")]
     PerfectAgreement,
     /// Two subjects make an interval without information.
+    #[error("two subjects: the intervals are too wide to be informative")]
     TwoSubjects,
     /// Vertebrae that a program marked and no person reviewed are left out.
+    #[error("{} found by a program, and not accepted or moved by a person, left out", counted(*readings, "vertebra reading"))]
     NotReviewed {
         /// Readings of a vertebra.
         readings: usize,
     },
     /// Readers accepted corners that a program had proposed.
+    #[error("{} with corners that readers accepted from the program: readers share its model, so their agreement is better than by clicks", counted(*readings, "vertebra reading"))]
     Accepted {
         /// Readings of a vertebra.
         readings: usize,
@@ -104,52 +112,6 @@ impl Remark {
             Self::TwoSubjects => "two_subjects",
             Self::NotReviewed { .. } => "not_reviewed",
             Self::Accepted { .. } => "accepted",
-        }
-    }
-}
-
-impl fmt::Display for Remark {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Dropped { dropped, subjects } => {
-                write!(
-                    f,
-                    "{dropped} of {subjects} subjects were not read equally often by all observers and are left out"
-                )
-            }
-            Self::UnequalRepeats { repeats: [few, many] } => write!(
-                f,
-                "observers read {few} to {many} times, so their means are not equally precise"
-            ),
-            Self::MeansAreSteadier => write!(
-                f,
-                "SEM, MDC95 and limits of agreement are for means over repeats; single readings differ more"
-            ),
-            Self::AlikeNames { names } => f.write_str(&alike_words(names)),
-            Self::NoRaterVariance => write!(
-                f,
-                "the raters' means differ by less than the random error explains: the variance between raters is estimated below zero and counts as zero in SEM and MDC95 for agreement, which equal those for consistency; the ICCs keep their published formula"
-            ),
-            Self::NegativeIcc => write!(
-                f,
-                "the ICC is negative: raters differ more within subjects than subjects differ; it is reported unchanged"
-            ),
-            Self::PerfectAgreement => {
-                write!(f, "all raters agree exactly, so the error cannot be estimated")
-            }
-            Self::TwoSubjects => {
-                write!(f, "two subjects: the intervals are too wide to be informative")
-            }
-            Self::NotReviewed { readings } => write!(
-                f,
-                "{} found by a program, and not accepted or moved by a person, left out",
-                crate::warning::counted(*readings, "vertebra reading")
-            ),
-            Self::Accepted { readings } => write!(
-                f,
-                "{} with corners that readers accepted from the program: readers share its model, so their agreement is better than by clicks",
-                crate::warning::counted(*readings, "vertebra reading")
-            ),
         }
     }
 }
@@ -278,9 +240,13 @@ fn outcome(
 ) -> Result<StatisticEstimate, Undefined> {
     let squares = squares?;
     match kind {
-        StatisticKind::Sem(part) => Ok(sem(&squares, part)),
-        StatisticKind::Mdc95(part) => Ok(mdc95(sem(&squares, part))),
-        StatisticKind::Icc(icc) => squares.icc(icc),
+        StatisticKind::SemAgreement => Ok(sem(squares.agreement_variance())),
+        StatisticKind::Mdc95Agreement => Ok(mdc95(sem(squares.agreement_variance()))),
+        StatisticKind::SemConsistency => Ok(sem(squares.consistency_variance())),
+        StatisticKind::Mdc95Consistency => Ok(mdc95(sem(squares.consistency_variance()))),
+        StatisticKind::IccAgreement => squares.icc_agreement(),
+        StatisticKind::IccConsistency => squares.icc_consistency(),
+        StatisticKind::IccAverage => squares.icc_average(),
         StatisticKind::Pearson => pearson(table.as_ref().map_err(|reason| *reason)?),
     }
 }
@@ -319,8 +285,7 @@ fn remarks(
         remarks.push(Remark::MeansAreSteadier);
     }
     let negative = |statistic: &Statistic| {
-        matches!(statistic.kind, StatisticKind::Icc(_))
-            && statistic.outcome.is_ok_and(|estimate| estimate.value < 0.0)
+        statistic.kind.is_icc() && statistic.outcome.is_ok_and(|estimate| estimate.value < 0.0)
     };
     if found.statistics.iter().any(negative) {
         remarks.push(Remark::NegativeIcc);

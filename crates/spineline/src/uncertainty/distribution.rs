@@ -2,6 +2,8 @@
 
 use tdigest::TDigest;
 
+use crate::evaluate::statistics::quantile;
+
 /// Values that are gathered before the digest takes them in, sorted; as long as no more came, quantiles are exact.
 const BUFFER: usize = 2048;
 /// Centroids of a digest: enough for quantiles that are off by less than a quarter of their sampling error (tested).
@@ -62,21 +64,14 @@ impl Distribution {
     pub fn quantiles<const N: usize>(mut self, parts: [f64; N]) -> Option<[f64; N]> {
         if self.digest.is_none() {
             self.buffer.sort_by(f64::total_cmp);
-            let last = self.buffer.len().checked_sub(1)?;
-            return Some(parts.map(|part| between(&self.buffer, part * last as f64)));
+            let is_known = !self.buffer.is_empty();
+            return is_known.then(|| parts.map(|part| quantile(&self.buffer, part)));
         }
         self.flush();
         let digest = self.digest?;
         let found = parts.map(|part| digest.estimate_quantile(part));
         found.iter().all(Option::is_some).then(|| found.map(Option::unwrap_or_default))
     }
-}
-
-/// The value at a place between sorted ones.
-fn between(sorted: &[f64], place: f64) -> f64 {
-    let below = place.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
 #[cfg(test)]

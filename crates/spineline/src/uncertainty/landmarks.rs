@@ -201,9 +201,7 @@ impl NoisyCase {
         // Last, so that the other films move as they do without a lateral film.
         let bodies = case.lateral.iter_mut().flat_map(|film| &mut film.readings);
         for body in bodies.flat_map(|reading| reading.vertebrae.values_mut()) {
-            for corner in body.places_mut() {
-                *corner = draw.pixel(*corner, self.lateral_sd_px);
-            }
+            *body = body.points().map(|corner| draw.pixel(corner, self.lateral_sd_px)).into();
         }
         (case, errors)
     }
@@ -341,7 +339,8 @@ fn lateral_sd_px(case: &Case, nominal: &Analysis, noise: LandmarkNoise) -> [f64;
     }
     let of_one = readings_per_level(&film.readings).sqrt();
     let sd = of_one * space.corner_sd_mm / space.alignment.scale;
-    let steps = film.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
+    let steps =
+        film.image.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
     steps.map(|step| sd / step)
 }
 

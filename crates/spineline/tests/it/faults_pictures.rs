@@ -10,8 +10,8 @@ use crate::common::{
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::{ImageSide, Level, Posture, SagittalProfile};
 use spineline::measure::{
-    CornerFault, Film, LateralCorners, LateralFilm, MeasureFault, Outline, Reading, ReadingId,
-    Spacing, SpacingPlane, SpatialOutline,
+    CornerFault, Corners, Film, ImageGeometry, LateralFilm, MeasureFault, Outline, Reading,
+    ReadingId, Spacing, SpacingPlane, SpatialOutline,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::{WarningCode, Warnings};
@@ -98,26 +98,17 @@ fn lateral(
             let (s, c) = pitch.sin_cos();
             place(x + ahead * c + up * s, z - ahead * s + up * c)
         };
-        vertebrae.insert(
-            level,
-            LateralCorners {
-                superior_anterior: corner(17.0, 11.0),
-                superior_posterior: corner(-17.0, 11.0),
-                inferior_anterior: corner(17.0, -11.0),
-                inferior_posterior: corner(-17.0, -11.0),
-            },
-        );
+        let places = [(17.0, 11.0), (-17.0, 11.0), (17.0, -11.0), (-17.0, -11.0)];
+        vertebrae.insert(level, Corners::from(places.map(|(ahead, up)| corner(ahead, up))));
         if let Some(turn) = profile.turns_deg.get(i) {
             pitch += turn.to_radians();
             x += 28.0 * pitch.sin();
             z += 28.0 * pitch.cos();
         }
     }
+    let spacing = Some(Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown));
     LateralFilm {
-        columns: 4000,
-        rows: 6000,
-        spacing: Some(Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)),
-        patient_anterior: anterior,
+        image: ImageGeometry { columns: 4000, rows: 6000, spacing, patient_left: anterior },
         simultaneous: false,
         readings: vec![Reading { id: ReadingId::new("A", 1), vertebrae }],
     }
@@ -192,7 +183,7 @@ fn the_models_spine_takes_the_profile_of_the_lateral_film() {
 #[test]
 fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
     let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
-    film.patient_anterior = ImageSide::Right;
+    film.image.patient_left = ImageSide::Right;
     let error = film.measure(&mut Warnings::default());
     let error = error.expect_err("the patient looks the other way");
     assert!(
@@ -204,7 +195,7 @@ fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
     );
     let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     let t7 = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
-    std::mem::swap(&mut t7.superior_anterior, &mut t7.inferior_anterior);
+    std::mem::swap(&mut t7.superior_left, &mut t7.inferior_left);
     let error = film.measure(&mut Warnings::default());
     let text = error.expect_err("crossed").to_string();
     assert!(
@@ -227,13 +218,13 @@ fn a_lateral_film_is_refused_for_what_a_frontal_one_is() {
     };
     let t7 = |film: &mut LateralFilm, to: Pixel| {
         let body = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
-        body.superior_anterior = to;
+        body.superior_left = to;
     };
     assert_eq!(refused(&|film| film.readings[0].id = ReadingId::new(" ", 1)), "observer");
     assert_eq!(refused(&|film| film.readings.push(film.readings[0].clone())), "duplicate_reading");
     for value in [0.0, -0.1, f64::NAN] {
         let change = |film: &mut LateralFilm| {
-            film.spacing = Some(Spacing::stated(0.1, value, SpacingPlane::Unknown));
+            film.image.spacing = Some(Spacing::stated(0.1, value, SpacingPlane::Unknown));
         };
         assert_eq!(refused(&change), "spacing");
     }
@@ -262,8 +253,8 @@ fn odd_corners_of_a_lateral_film_are_named() {
             .map(|repeat| Reading { id: ReadingId::new("A", repeat), ..first.clone() })
             .collect();
         let body = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
-        let (front, back) = (body.superior_anterior, body.superior_posterior);
-        body.superior_anterior = Pixel::new(
+        let (front, back) = (body.superior_left, body.superior_right);
+        body.superior_left = Pixel::new(
             front.column_px + part * (back.column_px - front.column_px),
             front.row_px + part * (back.row_px - front.row_px),
         );

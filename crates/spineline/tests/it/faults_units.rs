@@ -5,9 +5,9 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::error::Error;
 use spineline::measure::{
-    Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFilm, MeasureError, MeasureFault,
-    Reading, ReadingId, Spacing, SpacingPlane, SpacingSource, SuspectedUnit, TiltRule,
-    check_landmarks, judge_landmarks, measure_film,
+    Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, LateralFilm, MeasureError,
+    MeasureFault, Reading, ReadingId, Spacing, SpacingPlane, SpacingSource, SuspectedUnit,
+    TiltRule, check_landmarks, judge_landmarks, measure_film,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::{WarningCode, Warnings};
@@ -208,20 +208,14 @@ fn a_lateral_film_has_the_same_limits() {
         let vertebrae =
             spineline::anatomy::Level::MODEL.into_iter().enumerate().map(|(i, level)| {
                 let row = 1100.0 - 60.0 * i as f64;
-                let at = |column, row| Pixel::new(column, row);
-                let corners = LateralCorners {
-                    superior_anterior: at(200.0, row - 40.0),
-                    superior_posterior: at(260.0, row - 40.0),
-                    inferior_anterior: at(200.0, row),
-                    inferior_posterior: at(260.0, row),
-                };
-                (level, corners)
+                let at = |[column, row]: [f64; 2]| Pixel::new(column, row);
+                let places = [[200.0, row - 40.0], [260.0, row - 40.0], [200.0, row], [260.0, row]];
+                (level, Corners::from(places.map(at)))
             });
+        let spacing = Some(Spacing::stated(mm, mm, SpacingPlane::Patient));
+        let patient_left = ImageSide::Left;
         LateralFilm {
-            columns: 500,
-            rows: 1200,
-            spacing: Some(Spacing::stated(mm, mm, SpacingPlane::Patient)),
-            patient_anterior: ImageSide::Left,
+            image: ImageGeometry { columns: 500, rows: 1200, spacing, patient_left },
             simultaneous: false,
             readings: vec![Reading { id: ReadingId::new("A", 1), vertebrae: vertebrae.collect() }],
         }

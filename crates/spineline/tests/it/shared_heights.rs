@@ -21,16 +21,7 @@ fn midpoint(case: &Case, on: On, level: Level) -> Pixel {
     let lateral = case.lateral.as_ref().expect("a lateral film");
     let (image, corners): (ImageGeometry, Corners<Pixel>) = match on {
         On::Erect => (*image, readings[0].vertebrae[&level].corners),
-        On::Lateral => {
-            let seen = &lateral.readings[0].vertebrae[&level];
-            let corners = Corners {
-                superior_left: seen.superior_anterior,
-                superior_right: seen.superior_posterior,
-                inferior_left: seen.inferior_anterior,
-                inferior_right: seen.inferior_posterior,
-            };
-            (lateral.geometry(), corners)
-        }
+        On::Lateral => (lateral.image, lateral.readings[0].vertebrae[&level]),
     };
     let crossing = corners.map(|corner| image.frontal(corner)).measure_location();
     image.pixel(crossing.expect("a body"))

@@ -256,7 +256,7 @@ fn a_film_exposed_together_gives_the_pitch_without_an_estimate() {
     assert!(found.pitch_sd(&found.vertebrae[9]) < free.pitch_sd(&free.vertebrae[9]));
     // Without a spacing its scale is found all the same.
     if let Some(lateral) = &mut phantom.case.lateral {
-        lateral.spacing = None;
+        lateral.image.spacing = None;
     }
     let found = measured(&phantom).0;
     assert_near(found.alignment.scale, 0.1, 1e-3, "mm per pixel");

@@ -6,7 +6,7 @@ use crate::common::{
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient};
-use spineline::measure::{Corners, IliacCrests};
+use spineline::measure::IliacCrests;
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::{Severity, WarningCode};
 
@@ -44,12 +44,11 @@ fn copy_landmarks(case: &mut Case, from: Posture, to: Posture, by_px: f64) {
     let (_, _, readings) = landmarks(film);
     for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
         landmark.axis_clockwise = None;
-        let [superior_left, superior_right, inferior_left, inferior_right] =
-            landmark.corners.points().map(|place| {
-                let mut moved = || draw.between(-by_px, by_px);
-                Pixel::new(place.column_px + moved(), place.row_px + moved())
-            });
-        landmark.corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
+        let moved = landmark.corners.points().map(|place| {
+            let mut moved = || draw.between(-by_px, by_px);
+            Pixel::new(place.column_px + moved(), place.row_px + moved())
+        });
+        landmark.corners = moved.into();
     }
 }
 

@@ -83,7 +83,7 @@ fn first_line() -> Result<String, Failure> {
     let mut text = String::new();
     let read = stdin().lock().take(MAX_INPUT_BYTES).read_to_string(&mut text);
     read.map_err(|error| {
-        Failure::input("standard input", &error, "write the password as one line of UTF-8 text")
+        Failure::input("standard input", error, "write the password as one line of UTF-8 text")
     })?;
     Ok(text.lines().next().unwrap_or_default().to_owned())
 }
@@ -100,7 +100,7 @@ fn asked() -> Result<String, Failure> {
         Ok(text) => return Ok(text),
         Err(error) => error,
     };
-    Err(Failure::input("terminal", &error, "give the password with --password-stdin"))
+    Err(Failure::input("terminal", error, "give the password with --password-stdin"))
 }
 
 fn list(store: &Store) -> Result<String, StoreError> {

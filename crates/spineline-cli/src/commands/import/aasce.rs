@@ -1,14 +1,13 @@
 //! AASCE landmarks: a verdict on every row, and a case for every row without faults.
 
 use std::collections::BTreeMap;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
-use spineline::analysis::{CASE_ID_RULE, Case, Subject, is_case_id};
+use spineline::analysis::{CASE_ID_RULE, Case, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::ImageGeometry;
 use spineline::warning::counted;
 use spineline_files::{CaseFile, FileError};
-use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
     picture_names, read_file,
@@ -18,7 +17,7 @@ use spineline_tables::{RowVerdict, verdicts_table};
 
 use super::args::ImportArgs;
 use crate::run::failure::{Ending, Failure};
-use crate::run::film_decoder::Decoder;
+use crate::run::film_decoder::{Decoder, film_bytes, is_beside};
 use crate::run::outputs::{Outputs, OverwriteArgs, print, width};
 
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
@@ -44,14 +43,14 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
     if !is_case_id(&first) {
         let what = format!("its cases are named after it, and `{first}` is not valid");
         let help = format!("rename the folder: an identifier has {CASE_ID_RULE}");
-        return Err(Failure::input(&folder.display().to_string(), &what, &help));
+        return Err(Failure::input(folder.display(), what, help));
     }
     let verdicts = args.out.as_ref().filter(|_| !args.list);
     let verdicts = verdicts.map(|out| out.join(format!("{name}-verdicts.csv")));
     if let Some(there) = verdicts.as_ref().filter(|path| path.exists()) {
         let help = "choose another folder with --out, one for each set of this name";
         let what = "a set of this name was imported here already";
-        return Err(Failure::input(&there.display().to_string(), &what, help));
+        return Err(Failure::input(there.display(), what, help));
     }
     let outputs = Outputs::new(OverwriteArgs { overwrite: false }, []);
     if let Some(out) = &args.out {
@@ -137,21 +136,17 @@ fn sizes_of_pictures(
     let mut sizes = BTreeMap::new();
     for (line, name) in (1..).zip(names) {
         bar.inc(1);
-        let is_plain =
-            Path::new(name).components().all(|part| matches!(part, Component::Normal(_)));
         let path = folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file());
-        let Some(path) = path.filter(|_| is_plain) else {
+        let Some(path) = path.filter(|_| is_beside(name)) else {
             let help =
                 "--pictures names the folder of the pictures, or --sizes a table of their sizes";
             let what =
                 format!("filenames.csv, line {line}: the picture is not in {}", listed(&folders));
-            return Err(Failure::input(&folder.display().to_string(), &what, help));
+            return Err(Failure::input(folder.display(), what, help));
         };
-        let bytes = read(&Place::File(path.clone()), &IntakeLimits::default())
-            .map_err(|error| Failure::intake(&error))?;
         let film = decoder
-            .decode(bytes)
-            .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))?;
+            .decode(film_bytes(&path)?)
+            .map_err(|error| Failure::input(path.display(), &error, error.help()))?;
         sizes.insert(name.clone(), (film.columns, film.rows));
     }
     bar.finish_and_clear();
@@ -165,7 +160,7 @@ fn listed(folders: &[PathBuf]) -> String {
 fn fail(place: &Path, error: &LandmarkError) -> Failure {
     match error {
         LandmarkError::File(FileError::Read { source, .. }) => Failure::input(
-            &place.display().to_string(),
+            place.display(),
             source,
             "an AASCE folder has filenames.csv and landmarks.csv; --pictures names the folder of its pictures",
         ),
@@ -187,12 +182,5 @@ fn case_text(
         .clone()
         .into_film(Some(Posture::Erect), Some(image))
         .map_err(|error| fail(folder, &error))?;
-    let case = Case {
-        id: id.to_owned(),
-        synthetic: false,
-        subject: Subject::default(),
-        films: vec![film],
-        lateral: None,
-    };
-    Ok(spineline_files::to_text(&CaseFile::from_case(&case)))
+    Ok(spineline_files::to_text(&CaseFile::from_case(&Case::of_films(id, vec![film]))))
 }

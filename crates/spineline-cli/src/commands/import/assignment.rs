@@ -1,6 +1,6 @@
 //! Assigns the films of a file of landmarks to films of the case.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use spineline::anatomy::Posture;
 use spineline_landmarks::MarkedFilm;
@@ -71,7 +71,7 @@ impl Assignment<'_> {
                     return Ok(());
                 }
                 let help = "give the file for the film that it names, or --accept if you are sure";
-                Err(Failure::input(&file.to_string(), &what, help))
+                Err(Failure::input(file, what, help))
             }
             (None, Some(own)) => {
                 say(format!(
@@ -88,7 +88,7 @@ impl Assignment<'_> {
         if names.is_empty() {
             let what = "it does not state of which film it is";
             let help = "name the film, as in --landmarks erect=FILE";
-            return Failure::input(&display(&self.of.value), &what, help);
+            return Failure::input(self.of.value.display(), what, help);
         }
         let what = format!(
             "its pictures ({}) have other names than the films of this case ({})",
@@ -96,12 +96,8 @@ impl Assignment<'_> {
             self.pictures.words()
         );
         let help = "give one file of landmarks per film, as in --landmarks erect=FILE; of several pictures in one file, name each as its film is named";
-        Failure::input(&display(&self.of.value), &what, help)
+        Failure::input(self.of.value.display(), what, help)
     }
-}
-
-fn display(path: &Path) -> String {
-    path.display().to_string()
 }
 
 /// At most the last 60 letters of a name from a file.

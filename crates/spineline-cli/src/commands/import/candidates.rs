@@ -61,7 +61,7 @@ impl Candidates {
         let bar = spinner("looking for films");
         let survey = survey(&args.paths, &limits, |count| bar.set_position(count as u64));
         bar.finish_and_clear();
-        let survey = survey.map_err(|error| Failure::intake(&error))?;
+        let survey = survey?;
         let decoder = Decoder::new()?;
         let bar = crate::run::progress::bar("decoding films", survey.films.len());
         let films = survey
@@ -102,7 +102,7 @@ impl Candidates {
         let film = &self.films[index];
         film.seen.as_ref().map_err(|why| {
             Failure::input(
-                &format!("film {} ({})", index + 1, film.found.place),
+                format!("film {} ({})", index + 1, film.found.place),
                 why,
                 "choose another film; `--list` prints what can be used",
             )

@@ -8,9 +8,10 @@ use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
 use spineline::error::Error;
 use spineline::measure::{
-    Film, FilmLandmarks, ImageGeometry, LateralCorners, LateralFilm, PlacementSource, Reading,
-    ReadingId, alike_observers, alike_words, judge_landmarks,
+    Corners, Film, FilmLandmarks, ImageGeometry, LateralFilm, PlacementSource, Reading, ReadingId,
+    alike_observers, alike_words, judge_landmarks,
 };
+use spineline::spatial::Pixel;
 use spineline::warning::Warnings;
 use spineline_landmarks::{
     LandmarkError, LandmarkHint, parse_lateral_csv, read_file, read_landmarks,
@@ -27,7 +28,7 @@ use crate::run::messages::say;
 pub type LandmarksByPosture = BTreeMap<Posture, FilmLandmarks>;
 
 impl ResolvedFilm {
-    /// The geometry of the picture of a frontal film.
+    /// The geometry of its picture; a lateral film has the front in place of the left.
     pub const fn image(&self) -> ImageGeometry {
         ImageGeometry {
             columns: self.columns,
@@ -38,15 +39,8 @@ impl ResolvedFilm {
     }
 
     /// The lateral film with these readings.
-    pub const fn lateral(&self, readings: Vec<Reading<LateralCorners>>) -> LateralFilm {
-        LateralFilm {
-            columns: self.columns,
-            rows: self.rows,
-            spacing: self.spacing,
-            patient_anterior: self.side,
-            simultaneous: self.simultaneous,
-            readings,
-        }
+    pub const fn lateral(&self, readings: Vec<Reading<Corners<Pixel>>>) -> LateralFilm {
+        LateralFilm { image: self.image(), simultaneous: self.simultaneous, readings }
     }
 }
 
@@ -133,7 +127,7 @@ pub fn read_onto(
             }
             add(&mut landmarks, film).map_err(|what| {
                 let help = "give every reading of a film once, with the same iliac crests; where two files state no observer, name it with --reading FILE=OBSERVER:REPEAT";
-                Failure::input(&of.value.display().to_string(), &what, help)
+                Failure::input(of.value.display(), what, help)
             })?;
         }
     }
@@ -163,7 +157,7 @@ fn refuse_other_readings(file: &Path, given: &ReadingId, film: &Film) -> Result<
         Some(other) => {
             let what = format!("it states observer {other}, and --reading says {given}");
             let help = "leave --reading out: it is for files that state no observer";
-            Err(Failure::input(&file.display().to_string(), &what, help))
+            Err(Failure::input(file.display(), what, help))
         }
     }
 }
@@ -181,8 +175,8 @@ pub fn note_alike_observers(landmarks: &LandmarksByPosture, lateral: Option<&Lat
 pub fn read_lateral(
     args: &ImportArgs,
     film: &ResolvedFilm,
-) -> Result<Vec<Reading<LateralCorners>>, Failure> {
-    let mut readings: Vec<Reading<LateralCorners>> = Vec::new();
+) -> Result<Vec<Reading<Corners<Pixel>>>, Failure> {
+    let mut readings: Vec<Reading<Corners<Pixel>>> = Vec::new();
     for path in &args.lateral_landmarks {
         let reading = args.reading_of(path).cloned();
         let default = LandmarkHint::default();
@@ -195,7 +189,7 @@ pub fn read_lateral(
         let marked = film.lateral(readings.clone());
         marked
             .measure(&mut warnings)
-            .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))?;
+            .map_err(|error| Failure::input(path.display(), &error, error.help()))?;
         for warning in warnings.all() {
             say(format!("note: {}: lateral film: {}", path.display(), warning.text()));
         }
@@ -237,7 +231,7 @@ fn refuse_placements(file: &Path, film: &Film) -> Result<(), Failure> {
             "a midline needs no picture: make a case of it with `spineline import --midlines`"
         }
     };
-    Err(Failure::input(&file.display().to_string(), &what, help))
+    Err(Failure::input(file.display(), what, help))
 }
 
 /// Refuses landmarks of one film for two postures, in whatever formats they came.

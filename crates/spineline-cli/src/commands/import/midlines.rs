@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use spineline::analysis::{Case, Subject};
+use spineline::analysis::Case;
 use spineline::measure::Film;
 use spineline_files::{CaseFile, to_text};
 use spineline_landmarks::{LandmarkError, LandmarkFormat, LandmarkHint, read_landmarks};
@@ -25,20 +25,14 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
                 let what = format!("it has a second {} midline", film.posture);
                 let help =
                     "give all midlines of a posture in one file, each with its observer and repeat";
-                return Err(Failure::input(&path.display().to_string(), &what, help));
+                return Err(Failure::input(path.display(), what, help));
             }
             films.push(film);
         }
     }
     films.sort_by_key(|film| film.posture);
     let postures: Vec<String> = films.iter().map(|film| film.posture.to_string()).collect();
-    let case = Case {
-        id: case_id.clone(),
-        synthetic: false,
-        subject: Subject::default(),
-        films,
-        lateral: None,
-    };
+    let case = Case::of_films(case_id, films);
     let outputs = Outputs::new(OverwriteArgs { overwrite: false }, []);
     outputs.folder(folder)?;
     let path = folder.join("case.json");
@@ -57,7 +51,7 @@ fn read(path: &Path) -> Result<Vec<Film>, Failure> {
     if file.format != LandmarkFormat::SurfaceMidlines {
         let what = "it has landmarks, and no midlines of the back surface";
         let help = "give the film with --film and this file with --landmarks, without --midlines";
-        return Err(Failure::input(&path.display().to_string(), &what, help));
+        return Err(Failure::input(path.display(), what, help));
     }
     let films = file.films.into_iter().map(|film| film.into_film(None, None));
     films.collect::<Result<_, _>>().map_err(|error| fail(&error))

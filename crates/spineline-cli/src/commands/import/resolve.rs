@@ -249,8 +249,8 @@ pub fn check_films(films: &[ChosenFilm<'_>]) -> Result<(), Failure> {
         let twin = films[..i].iter().find(|other| other.seen.picture == film.seen.picture);
         if let Some(other) = twin {
             return Err(Failure::input(
-                &format!("{} film and {} film", other.view, film.view),
-                &"both are the same picture",
+                format!("{} film and {} film", other.view, film.view),
+                "both are the same picture",
                 "choose a different film for each posture",
             ));
         }

@@ -77,21 +77,21 @@ struct ImportReport<'a> {
 
 /// Refuses a folder that holds anything that an import writes: films and landmarks are never overwritten.
 pub fn check_free(folder: &Path) -> Result<(), Failure> {
-    let kinds = [FilmKind::Dicom, FilmKind::Png, FilmKind::Jpeg, FilmKind::Tiff];
-    let films = FilmView::ALL.into_iter().flat_map(|view| kinds.map(|kind| file_name(view, kind)));
+    let name = |view| FilmKind::ALL.map(|kind| file_name(view, kind));
+    let films = FilmView::ALL.into_iter().flat_map(name);
     let ours = ["case.json", "import.json"].map(str::to_owned).into_iter().chain(films);
     match ours.map(|name| folder.join(name)).find(|path| path.exists()) {
         None => Ok(()),
         Some(there) => Err(Failure::input(
-            &there.display().to_string(),
-            &"it exists already, and an import overwrites nothing",
+            there.display(),
+            "it exists already, and an import overwrites nothing",
             "choose another folder with --out",
         )),
     }
 }
 
 fn file_name(view: FilmView, kind: FilmKind) -> String {
-    format!("{}.{}", view.key(), extension(kind))
+    format!("{}.{}", view.key(), kind.key())
 }
 
 /// Writes the films, the case, and a report of what was done.
@@ -145,12 +145,11 @@ fn cleaned_film(
     secret: &[u8; 32],
 ) -> Result<(Vec<u8>, FilmSource, FilmReport), Failure> {
     let found = &candidates.films[film.index].found;
-    let bytes =
-        read(&found.place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))?;
+    let bytes = read(&found.place, &IntakeLimits::default())?;
     if sha256_hex(&bytes) != film.source {
         return Err(Failure::input(
-            &found.place.to_string(),
-            &"it changed during the import",
+            &found.place,
+            "it changed during the import",
             "run the import again while no other program writes there",
         ));
     }
@@ -163,7 +162,7 @@ fn cleaned_film(
             retain_sex_and_age: args.keep_characteristics,
         };
         let clean = deidentify(&bytes, &options, &FilmLimits::default())
-            .map_err(|error| Failure::input(&film.view.to_string(), &error, error.help()))?;
+            .map_err(|error| Failure::input(film.view, &error, error.help()))?;
         // Pictures without a DICOM header are encoded again.
         let kind = if found.kind == FilmKind::Dicom { FilmKind::Dicom } else { FilmKind::Png };
         (clean.bytes, kind, Some(DeidRecord::of(&clean.report)))
@@ -177,15 +176,6 @@ fn cleaned_film(
     };
     let notes = film.notes.clone();
     Ok((bytes, source, FilmReport { film: film.view.key(), file, sha256, notes, deidentification }))
-}
-
-const fn extension(kind: FilmKind) -> &'static str {
-    match kind {
-        FilmKind::Dicom => "dcm",
-        FilmKind::Png => "png",
-        FilmKind::Jpeg => "jpg",
-        FilmKind::Tiff => "tif",
-    }
 }
 
 /// The case: pictures, sides and scales, with imported landmarks.
@@ -221,8 +211,8 @@ fn secret(args: &ImportArgs) -> Result<[u8; 32], Failure> {
         Ok(bytes) => {
             return <[u8; 32]>::try_from(bytes).map_err(|bytes| {
                 Failure::input(
-                    &path.display().to_string(),
-                    &match bytes.len() {
+                    path.display(),
+                    match bytes.len() {
                         33.. => "a secret has 32 bytes, and this file has more".to_owned(),
                         count => format!("a secret has 32 bytes, and this file has {count}"),
                     },

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use spineline::anatomy::{ImageSide, Level, Posture, Side};
+use spineline::anatomy::{Level, Posture};
 use spineline_files::{CaseFile, FilmSource, sha256_hex};
 use spineline_films::Encoding;
 use spineline_phantom::{Phantom, TrueFilm};
@@ -90,14 +90,8 @@ fn write_film(
         rows: image.rows,
         column_spacing_mm: image.spacing.map(|spacing| spacing.column_mm),
         row_spacing_mm: image.spacing.map(|spacing| spacing.row_mm),
-        patient_left: match image.patient_left {
-            ImageSide::Left => "image_left",
-            ImageSide::Right => "image_right",
-        },
-        lead_marker: match film.marker {
-            Side::Left => "left",
-            Side::Right => "right",
-        },
+        patient_left: image.patient_left.key(),
+        lead_marker: film.marker.key(),
         pixels_sha256,
         iliac_crests_px: [("left", film.iliac_crests.left), ("right", film.iliac_crests.right)]
             .map(|(side, p)| (side, [p.column_px, p.row_px]))

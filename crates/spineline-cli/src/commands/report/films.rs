@@ -1,16 +1,15 @@
 //! Pictures of a case's films for its report.
 
-use std::path::{Component, Path};
+use std::path::Path;
 
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmLandmarks, ImageGeometry};
 use spineline_files::{CaseFile, FilmSource, sha256_hex};
-use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_report::figures::FilmPicture;
 
 use crate::run::failure::Failure;
-use crate::run::film_decoder::Decoder;
+use crate::run::film_decoder::{Decoder, film_bytes, is_beside};
 use crate::run::threads::map_all;
 
 /// Rows of a picture in a report.
@@ -61,12 +60,10 @@ pub fn pictures(
 
 fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, String> {
     let name = film.source.file.as_deref().unwrap_or_default();
-    let plain = |part: Component<'_>| matches!(part, Component::Normal(_));
-    if !Path::new(name).components().all(plain) {
+    if !is_beside(name) {
         return Err("its file is not beside the case".to_owned());
     }
-    let place = Place::File(folder.join(name));
-    let bytes = read(&place, &IntakeLimits::default()).map_err(|error| error.to_string())?;
+    let bytes = film_bytes(&folder.join(name)).map_err(|error| error.to_string())?;
     if film.source.sha256.as_ref().is_some_and(|sum| *sum != sha256_hex(&bytes)) {
         return Err("its file is not the one with the landmarks (different SHA-256)".to_owned());
     }

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use spineline::action::LineKind;
+use spineline::analysis::FilmRole;
 use spineline::anatomy::Posture;
 use spineline::multibody::Support;
 use spineline_files::Provenance;
 use spineline_report::figures::{self, EstimateGroup, InflectionSample, LocationErrorSample};
-use spineline_report::paper;
+use spineline_report::paper::{self, PaperMean};
 
 use super::runs::Run;
 use crate::run::failure::Failure;
@@ -70,32 +71,29 @@ fn error_figures(
     support: &str,
     save: &impl Fn(String, &str) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let errors = |fitted: bool| -> Vec<LocationErrorSample> {
+    type OfPaper = fn(LineKind) -> Option<PaperMean>;
+    let errors = |role: FilmRole, of_paper: OfPaper| -> Vec<LocationErrorSample> {
         runs.iter()
             .flat_map(|run| {
-                run.cohort.lines.iter().map(move |line| LocationErrorSample {
+                run.cohort.compared.of_role(role).map(move |errors| LocationErrorSample {
                     group: run.name.to_owned(),
-                    line: line.kind,
-                    errors_mm: if fitted { &line.fitted } else { &line.held_out }
-                        .all_location_mm
-                        .clone(),
-                    paper: if fitted {
-                        paper::fitted_location_error_mm(line.kind)
-                    } else {
-                        paper::held_out_location_error_mm(line.kind)
-                    },
+                    line: errors.kind,
+                    errors_mm: errors.all_location_mm.clone(),
+                    paper: of_paper(errors.kind),
                 })
             })
             .collect()
     };
     let synthetic = runs.iter().any(|run| run.cohort.synthetic);
+    let fitted = errors(FilmRole::Fitted, paper::fitted_location_error_mm);
+    let held_out = errors(FilmRole::HeldOut, paper::held_out_location_error_mm);
     let kinds = [
-        ("fitted", true, "bending films, fitted"),
-        ("held-out", false, "neutral and traction films, held out"),
+        ("fitted", fitted, "bending films, fitted"),
+        ("held-out", held_out, "neutral and traction films, held out"),
     ];
-    for (name, is_fitted, films) in kinds {
+    for (name, errors, films) in kinds {
         let films = format!("{films}, support {support}");
-        if let Some(svg) = figures::location_errors(&errors(is_fitted), &films, synthetic) {
+        if let Some(svg) = figures::location_errors(&errors, &films, synthetic) {
             save(format!("figure-08-errors-{name}-{support}"), &svg)?;
         }
     }

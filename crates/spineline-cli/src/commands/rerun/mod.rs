@@ -144,8 +144,8 @@ fn analysis_text(path: &Path, bytes: &[u8]) -> Result<(String, Form), Failure> {
     match attached(bytes)? {
         Some(text) => Ok((text, Form::Report)),
         None => Err(Failure::input(
-            &path.display().to_string(),
-            &"this file has no analysis",
+            path.display(),
+            "this file has no analysis",
             "give a file from `spineline analyze CASE --json FILE` or from `spineline report CASE`",
         )),
     }
@@ -210,7 +210,7 @@ impl Repeated {
         if let Some((done, asked)) = done.zip(asked).filter(|(done, asked)| done < asked) {
             let text = format!("its analysis was interrupted after {done} of {asked} replicates");
             let help = "only a whole analysis can be repeated; analyze the case again";
-            return Err(Failure::input(&args.file.display().to_string(), &text, help));
+            return Err(Failure::input(args.file.display(), text, help));
         }
         let mut analysis = analyze_case(&args.file, case, &request.options)?;
         analysis.warnings.merge(&picture_warnings(old));

@@ -160,7 +160,7 @@ fn check_clock() -> Result<(), Failure> {
         return Ok(());
     }
     let what = "the time is before 1970 or after 9999";
-    Err(Failure::input("the clock of this computer", &what, "set the clock, and start again"))
+    Err(Failure::input("the clock of this computer", what, "set the clock, and start again"))
 }
 
 /// Refuses settings that give access to the wrong people or to no one.
@@ -172,7 +172,7 @@ fn check(args: &ServeArgs, store: &Store, access: Access) -> Result<(), Failure>
             let why = if args.accounts { "--accounts" } else { "an address other than loopback" };
             let what = format!("{why} requires an admin account, and the store has none");
             let help = format!("run: spineline account add NAME --role admin {name}");
-            return Err(Failure::input(&name.to_string(), &what, &help));
+            return Err(Failure::input(name, what, help));
         }
     }
     if args.bind.is_unspecified() && args.hosts.is_empty() {
@@ -193,9 +193,8 @@ fn check(args: &ServeArgs, store: &Store, access: Access) -> Result<(), Failure>
 async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<Ending, Failure> {
     let (access, https) = (options.access, options.https);
     let address = SocketAddr::new(args.bind, args.port.unwrap_or(PORT));
-    let fail = |error: std::io::Error| {
-        Failure::input(&address.to_string(), &error, "try another --port, or --port 0")
-    };
+    let fail =
+        |error: std::io::Error| Failure::input(address, error, "try another --port, or --port 0");
     let listener = match tokio::net::TcpListener::bind(address).await {
         Err(error) if args.port.is_none() && error.kind() == std::io::ErrorKind::AddrInUse => {
             say(format!("note: port {PORT} is in use; a free port is used instead"));

@@ -70,8 +70,8 @@ fn of_posture(
         let known: Vec<&str> = model.loads.iter().map(|film| film.posture.key()).collect();
         let text =
             format!("the model has no load for {}; it has {}", posture.key(), known.join(", "));
-        let place = args.model.display().to_string();
-        return Err(Failure::input(&place, &text, "choose one of these, or use --push"));
+        let help = "choose one of these, or use --push";
+        return Err(Failure::input(args.model.display(), text, help));
     };
     let notes = SimulationWarning::not_found(film).into_iter().collect();
     let force_n = args.force.map_or(film.force_n, |force| force.copysign(film.force_n));

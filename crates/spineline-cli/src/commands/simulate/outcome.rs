@@ -60,9 +60,9 @@ impl Outcome {
             ),
             SimulationError::LargestFactor(text) => Failure::usage(text),
             SimulationError::Springs(text) => {
-                Failure::input(&args.model.display().to_string(), text, error.help())
+                Failure::input(args.model.display(), text, error.help())
             }
-            _ => Failure::input(&place_name.display().to_string(), &error, error.help()),
+            _ => Failure::input(place_name.display(), &error, error.help()),
         })
     }
 

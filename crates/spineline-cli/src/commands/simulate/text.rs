@@ -1,6 +1,6 @@
 //! One simulation as a report for the terminal.
 
-use spineline::multibody::{Equilibrium, Goal, Support};
+use spineline::multibody::{Equilibrium, Goal};
 use spineline::number::fixed;
 use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::SimulationWarning;
@@ -40,10 +40,7 @@ pub fn notices(outcome: &Outcome) -> Vec<Notice> {
 fn subject(outcome: &Outcome) -> String {
     let model = &outcome.model;
     let synthetic = if model.synthetic { " · SYNTHETIC" } else { "" };
-    let support = match model.support {
-        Support::Free => "free",
-        Support::Frontal => "frontal",
-    };
+    let support = model.support.key();
     format!(
         "{}{synthetic} · model with the {} · {support} support · forces in {}",
         model.case_id,

@@ -132,7 +132,7 @@ fn unknown_observer(path: &Path, study: &Name, observer: &Name, planned: &[Name]
     let known = planned.iter().map(Name::as_str).collect::<Vec<_>>().join(", ");
     let what = format!("unknown observer `{observer}`: the plan of {study} has {known}");
     let help = "give the code of an observer of this plan; `spineline study plan` makes plans";
-    Failure::input(&path.display().to_string(), &what, help)
+    Failure::input(path.display(), what, help)
 }
 
 fn list(store: &Store) -> Result<String, StoreError> {

@@ -9,8 +9,8 @@ use spineline_store::KeptComputation;
 use super::models;
 use super::replicates::{SEED, with_monte_carlo};
 use crate::PROGRAM;
-use crate::api::ComputationName;
-use crate::jobs::{ComputationJob, Found, Work};
+use crate::api::Computation;
+use crate::jobs::{ComputationJob, Found};
 use crate::problem::Answer;
 use crate::result_cache::StudyResult;
 use crate::results::background;
@@ -20,20 +20,20 @@ use crate::state::AppState;
 const BUILD: &str = env!("SPINELINE_BUILD");
 
 /// Everything that the result depends on.
-fn inputs(name: ComputationName, result: &StudyResult) -> Answer<String> {
+fn inputs(name: Computation, result: &StudyResult) -> Answer<String> {
     let fits = || -> Answer<String> {
         let models = result.analysed()?.models.iter();
         let fits = models.map(|model| format!("{:?}", model.fit.log_multipliers));
         Ok(fits.collect::<Vec<_>>().join("\n"))
     };
     let numbers = match name {
-        ComputationName::Replicates => with_monte_carlo(result, |monte_carlo| {
+        Computation::Replicates => with_monte_carlo(result, |monte_carlo| {
             let nominal = monte_carlo.tally().finish(0).quantities;
             let values = nominal.iter().map(|one| format!("{:?}", one.nominal));
             values.collect::<Vec<_>>().join("\n")
         })?,
-        ComputationName::Identifiability => fits()?,
-        ComputationName::Models => {
+        Computation::Identifiability => fits()?,
+        Computation::Models => {
             let asked = Hypothesis::compared().into_iter().map(Hypothesis::key);
             format!("{}\n{}", fits()?, asked.collect::<Vec<_>>().join(" "))
         }
@@ -42,17 +42,15 @@ fn inputs(name: ComputationName, result: &StudyResult) -> Answer<String> {
 }
 
 /// Reads a stored result; `None` if it belongs to other results.
-fn read(name: ComputationName, result: &StudyResult, kept: &KeptComputation) -> Option<Found> {
+fn read(name: Computation, result: &StudyResult, kept: &KeptComputation) -> Option<Found> {
     if !inputs(name, result).is_ok_and(|inputs| kept.is_of(&inputs)) {
         return None;
     }
     let text = &kept.found;
     Some(match name {
-        ComputationName::Replicates => Found::Replicates(serde_json::from_str(text).ok()?),
-        ComputationName::Identifiability => {
-            Found::Identifiability(serde_json::from_str(text).ok()?)
-        }
-        ComputationName::Models => {
+        Computation::Replicates => Found::Replicates(serde_json::from_str(text).ok()?),
+        Computation::Identifiability => Found::Identifiability(serde_json::from_str(text).ok()?),
+        Computation::Models => {
             let fits = serde_json::from_str(text).ok()?;
             Found::Models(Box::new(models::compared(result.analysis()?, fits)))
         }
@@ -82,7 +80,7 @@ pub fn written(job: &ComputationJob, found: &Found) -> Option<KeptComputation> {
 /// # Errors
 /// Errors of reading the store.
 pub async fn recall(state: &AppState, result: &Arc<StudyResult>) -> Answer<()> {
-    for name in ComputationName::ALL {
+    for name in Computation::ALL {
         let read = move |result: &StudyResult, kept: &KeptComputation| {
             Some((name, read(name, result, kept)?))
         };

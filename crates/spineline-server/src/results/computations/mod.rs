@@ -14,9 +14,11 @@ use utoipa_axum::routes;
 
 use super::background::{Task, in_turns, start};
 use crate::access::{open_study, study_result};
-use crate::api::{ComputationName, ComputationRequest, ComputationView, Problem};
+use crate::api::{
+    Computation, ComputationName, ComputationRequest, ComputationView, Problem, Wire,
+};
 use crate::extract::{Json, Path};
-use crate::jobs::{ComputationJob, Found, Jobs, Work};
+use crate::jobs::{ComputationJob, Found, Jobs};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
@@ -35,7 +37,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 async fn computation(
     State(state): State<AppState>,
     user: User,
-    Path((study, name)): Path<(String, ComputationName)>,
+    Path((study, Wire(name))): Path<(String, ComputationName)>,
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
     recall(&state, &result).await?;
@@ -51,7 +53,7 @@ async fn computation(
 async fn compute(
     State(state): State<AppState>,
     user: User,
-    Path((study, name)): Path<(String, ComputationName)>,
+    Path((study, Wire(name))): Path<(String, ComputationName)>,
     Json(request): Json<ComputationRequest>,
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
@@ -67,7 +69,7 @@ async fn compute(
 async fn cancel(
     State(state): State<AppState>,
     user: User,
-    Path((study, name)): Path<(String, ComputationName)>,
+    Path((study, Wire(name))): Path<(String, ComputationName)>,
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
     let job = state.jobs().of(&result, name.key());
@@ -93,10 +95,10 @@ pub async fn analysed(
 }
 
 /// How many steps a computation has.
-fn steps(result: &StudyResult, name: ComputationName, request: &ComputationRequest) -> Answer<u64> {
+fn steps(result: &StudyResult, name: Computation, request: &ComputationRequest) -> Answer<u64> {
     let refused = |text: String, help: &str| Failure::refused(text).help(help);
     match (name, request.count) {
-        (ComputationName::Replicates, count) => replicates::checked(count.unwrap_or_default()),
+        (Computation::Replicates, count) => replicates::checked(count.unwrap_or_default()),
         (_, Some(_)) => Err(refused(
             "only replicates take a number of replicates".to_owned(),
             "leave `count` out",
@@ -104,12 +106,12 @@ fn steps(result: &StudyResult, name: ComputationName, request: &ComputationReque
         (_, None) if result.analysed()?.models.is_empty() => {
             Err(refused("this study has no model".to_owned(), "add a bending film, and read it"))
         }
-        (ComputationName::Identifiability, None) => Ok(result.analysed()?.models.len() as u64),
-        (ComputationName::Models, None) => Ok(models::steps()),
+        (Computation::Identifiability, None) => Ok(result.analysed()?.models.len() as u64),
+        (Computation::Models, None) => Ok(models::steps()),
     }
 }
 
-impl Task for ComputationName {
+impl Task for Computation {
     const RUNNING: [&'static str; 2] = ["this is being computed", "wait for it, or cancel it"];
 
     fn jobs(state: &AppState) -> &Jobs<Self> {

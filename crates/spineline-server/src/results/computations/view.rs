@@ -5,18 +5,16 @@ use spineline::anatomy::Posture;
 use spineline::number::fixed;
 use spineline::personalize::MULTIPLIER_COVERAGE;
 use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
-use spineline_report::document::Section;
 use spineline_report::patient::parts;
 
-use crate::api::{ComputationName, ComputationView, IntervalView};
+use crate::api::{Computation, ComputationView, IntervalView, Wire};
 use crate::jobs::{ComputationJob, Found, Progress};
-use crate::results::sections::section_view;
 
 /// State, progress and results of a computation.
-pub fn view(name: ComputationName, job: Option<&ComputationJob>) -> ComputationView {
+pub fn view(name: Computation, job: Option<&ComputationJob>) -> ComputationView {
     let Progress { state, done, asked, found, failure } = Progress::of(job);
     let mut view = ComputationView {
-        name,
+        name: Wire(name),
         state,
         done,
         asked,
@@ -34,7 +32,7 @@ pub fn view(name: ComputationName, job: Option<&ComputationJob>) -> ComputationV
 }
 
 fn add(view: &mut ComputationView, analysis: &Analysis, found: &Found) {
-    let sections: Vec<Section> = match found {
+    view.sections = match found {
         Found::Replicates(found) => {
             view.intervals = intervals(analysis, found);
             view.texts = texts(found);
@@ -43,7 +41,6 @@ fn add(view: &mut ComputationView, analysis: &Analysis, found: &Found) {
         Found::Identifiability(found) => vec![parts::identifiability(analysis, found)],
         Found::Models(found) => parts::models(found).into_iter().collect(),
     };
-    view.sections = sections.into_iter().map(section_view).collect();
 }
 
 fn texts(found: &Uncertainty) -> Vec<String> {

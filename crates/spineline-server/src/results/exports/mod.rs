@@ -16,7 +16,7 @@ use utoipa_axum::routes;
 
 use super::computations;
 use crate::access::{open_study, study_result};
-use crate::api::{ExportName, Problem};
+use crate::api::{Export, ExportName, Problem, Wire};
 use crate::attachment::attachment;
 use crate::extract::Path;
 use crate::problem::Answer;
@@ -42,19 +42,17 @@ pub fn routes() -> OpenApiRouter<AppState> {
 pub async fn export(
     State(state): State<AppState>,
     user: User,
-    Path((study, export)): Path<(String, ExportName)>,
+    Path((study, Wire(export))): Path<(String, ExportName)>,
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
     result.analysed()?;
     let pictures = match export {
-        ExportName::Report | ExportName::Pdf | ExportName::Figures => {
-            report::pictures(&state, &result).await?
-        }
+        Export::Report | Export::Pdf | Export::Figures => report::pictures(&state, &result).await?,
         _ => Vec::new(),
     };
     let sources = match export {
-        ExportName::DicomSr => landmarks::sources(&state, &result).await?,
+        Export::DicomSr => landmarks::sources(&state, &result).await?,
         _ => Default::default(),
     };
     computations::recall(&state, &result).await?;
@@ -63,20 +61,20 @@ pub async fn export(
         let case = result.current.usable_case();
         let analysis = found.models().map_or_else(|| result.analysed(), Ok)?;
         match export {
-            ExportName::Report | ExportName::Pdf | ExportName::Figures => {
+            Export::Report | Export::Pdf | Export::Figures => {
                 let options = &result.current.options;
                 let document = report::document(analysis, &case, options, &pictures, &found);
                 report::download(export, &document, analysis)
             }
-            ExportName::Analysis => Ok(Download {
+            Export::Analysis => Ok(Download {
                 ending: "-analysis.json",
                 kind: JSON,
                 bytes: with_hash(results_text(&file_of(analysis, &case, &found)).into_bytes()),
             }),
-            ExportName::TablesCsv => tables::csv(analysis, &case, &found),
-            ExportName::TablesParquet => tables::parquet(analysis, &case, &found),
-            ExportName::Slicer => landmarks::slicer(analysis, &case),
-            ExportName::DicomSr => landmarks::dicom_sr(analysis, &case, &sources),
+            Export::TablesCsv => tables::csv(analysis, &case, &found),
+            Export::TablesParquet => tables::parquet(analysis, &case, &found),
+            Export::Slicer => landmarks::slicer(analysis, &case),
+            Export::DicomSr => landmarks::dicom_sr(analysis, &case, &sources),
         }
     });
     let download = made.await??;

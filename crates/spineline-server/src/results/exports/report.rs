@@ -10,7 +10,7 @@ use spineline_report::{Document, PRINT_SCALE, html, png};
 use super::archive::archive;
 use super::file::{Download, file_of, internal, provenance};
 use crate::PROGRAM;
-use crate::api::ExportName;
+use crate::api::Export;
 use crate::decoded::picture;
 use crate::jobs::Computed;
 use crate::problem::Answer;
@@ -53,10 +53,10 @@ pub fn document(
 }
 
 /// A report as HTML or PDF, or its figures.
-pub fn download(export: ExportName, document: &Document, analysis: &Analysis) -> Answer<Download> {
+pub fn download(export: Export, document: &Document, analysis: &Analysis) -> Answer<Download> {
     match export {
-        ExportName::Figures => figures(document, analysis),
-        ExportName::Pdf => {
+        Export::Figures => figures(document, analysis),
+        Export::Pdf => {
             let bytes = pdf(document)?;
             Ok(Download { ending: ".pdf", kind: "application/pdf", bytes })
         }

@@ -15,7 +15,7 @@ use super::super::notices;
 use super::super::simulated::{deformed_shape, errors_by_level};
 use crate::api::{
     FilmComparison, LoadArrow, LoadFaultView, LoadStep, LoadedModel, LoadedView, Notice, Severity,
-    TextColumn, TextTable, Wire,
+    Wire,
 };
 
 /// Maximum number of shapes that are sent; longer paths are thinned.
@@ -42,16 +42,14 @@ fn words(loads: &LoadFile) -> Vec<String> {
 pub fn view(analysis: &Analysis, simulated: &Simulated) -> LoadedModel {
     let tables = tables(analysis, simulated, None);
     let result = simulated.response.result();
-    let of_result = |table: &dyn Fn(&Equilibrium) -> Table| {
-        result.map(table).map(text_table).unwrap_or_default()
-    };
+    let of_result = |table: &dyn Fn(&Equilibrium) -> Table| result.map(table).unwrap_or_default();
     let loaded = LoadedView {
         converged: result.is_some(),
         texts: tables.ending().into_iter().chain(tables.events()).collect(),
         angles: of_result(&|_| tables.angles()),
         forces: of_result(&|found| tables.forces(found)),
         numbers: of_result(&|found| tables.numbers(found)),
-        solutions: text_table(tables.solutions()),
+        solutions: tables.solutions(),
         notices: warnings(simulated),
         steps: steps(simulated),
         films: result.map(|found| films(analysis, &found.deformed)).unwrap_or_default(),
@@ -67,14 +65,6 @@ pub fn tables<'a>(
 ) -> LoadedTables<'a> {
     let film = Some(&analysis.movement.erect().outline);
     LoadedTables { simulated, film, uncertainty }
-}
-
-fn text_table(table: Table) -> TextTable {
-    let column = |column: spineline_report::document::Column| TextColumn {
-        head: column.head,
-        numeric: column.numeric,
-    };
-    TextTable { columns: table.columns.into_iter().map(column).collect(), rows: table.rows }
 }
 
 fn warnings(simulated: &Simulated) -> Vec<Notice> {

@@ -1,24 +1,22 @@
 //! A server over a store with synthetic studies, and a plain client.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 use spineline::analysis::Case;
-use spineline::anatomy::{ImageSide, Level, Posture, Side};
-use spineline::measure::{Film, FilmLandmarks, ImageGeometry, Reading, VertebraLandmarks};
+use spineline::anatomy::{FilmView, Level, Posture, Side};
+use spineline::measure::{Film, FilmLandmarks, Reading, VertebraLandmarks};
+use spineline_files::{FilmSource, image_value};
 use spineline_phantom::{Phantom, Readers, Scenario, generate};
 use spineline_store::{
-    Access, Corner, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
+    Access, Corner, Event, FilmId, ReadingId, Signature, Store, Study, Timestamp,
 };
 
 use crate::browser::App;
+pub use crate::browser::name;
 
 pub const READER: &str = "A";
 
 pub fn phantom() -> Phantom {
     generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists")
-}
-
-pub fn name(text: &str) -> Name {
-    Name::new(text).expect("a name")
 }
 
 pub fn by(who: &str) -> Signature {
@@ -58,26 +56,6 @@ impl Running {
     }
 }
 
-/// The `image` of a case file.
-fn image_json(image: &ImageGeometry) -> Value {
-    let mut json = json!({
-        "columns": image.columns, "rows": image.rows,
-        "patient_left": match image.patient_left {
-            ImageSide::Left => "image_left",
-            ImageSide::Right => "image_right",
-        },
-    });
-    if let Some(spacing) = image.spacing {
-        json["column_spacing_mm"] = spacing.column_mm.into();
-        json["row_spacing_mm"] = spacing.row_mm.into();
-        json["spacing_plane"] = spacing.plane.key().into();
-        if let Some(sd) = spacing.relative_sd {
-            json["spacing_relative_sd"] = sd.into();
-        }
-    }
-    json
-}
-
 /// A study with the films of a case, not read yet.
 pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, FilmId)> {
     let id = name(study);
@@ -86,7 +64,8 @@ pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, F
     let films = case.films.iter().map(|film| {
         let FilmLandmarks::Corners { image, .. } = &film.landmarks else { panic!("landmarks") };
         let bytes = format!("{study} {}", film.posture);
-        let image = image_json(image);
+        let view = FilmView::Frontal(film.posture);
+        let image = image_value(view, image, FilmSource::default());
         let added = store.add_film(&id, film.posture, bytes.as_bytes(), &image, &by("lead"));
         (film.posture, added.expect("a new film").film)
     });

@@ -1,7 +1,7 @@
 use super::SpatialMeasures;
 use crate::anatomy::{Region, named};
 use crate::measure::LengthScale;
-use crate::number::with_sd;
+use crate::number::{NORMAL_975, with_sd};
 use crate::spatial::Angle;
 
 named! {
@@ -39,7 +39,7 @@ impl SpatialNumber {
     /// 95 % interval by its standard deviation, as for a normal error.
     #[must_use]
     pub fn interval_95(&self) -> [f64; 2] {
-        let half = 1.959_963_984_540_054 * self.sd;
+        let half = NORMAL_975 * self.sd;
         [self.value - half, self.value + half]
     }
 

@@ -77,7 +77,7 @@ impl SharedHeights {
                 })
             })
             .collect();
-        let has_scale = image.scale().is_some() && lateral.geometry().scale().is_some();
+        let has_scale = image.scale().is_some() && lateral.image.scale().is_some();
         let exposure = Exposure { simultaneous: lateral.simultaneous, has_scale };
         let Some(alignment) = FilmAlignment::estimate(&pairs, exposure) else { return Ok(None) };
         let on_erect = |side: &LateralVertebra| row(image, &alignment, side, corner);
@@ -143,7 +143,7 @@ fn line_on_lateral(
     level: Level,
     mark: &ErectMark,
 ) -> HeightLine {
-    let image = lateral.geometry();
+    let image = &lateral.image;
     let at = |column_px: f64| {
         let front = image.frontal(Pixel::new(column_px, 0.0)).y_mm;
         alignment.place_at(mark.location.z_mm, front)
@@ -152,7 +152,7 @@ fn line_on_lateral(
     let ends = [0.0, last].map(|column_px| image.pixel(at(column_px).0));
     let (_, alignment_sd) = at(0.5 * last);
     let sd = alignment_sd.hypot(mark.sd / alignment.scale);
-    HeightLine { level, ends, sd_px: sd / row_size(&image) }
+    HeightLine { level, ends, sd_px: sd / row_size(image) }
 }
 
 /// The distance of two rows, in the unit of the film.

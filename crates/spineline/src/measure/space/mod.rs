@@ -14,7 +14,7 @@ use super::lateral::LateralVertebra;
 use super::{
     Film, LateralFilm, LateralOutline, LengthScale, MeasureError, Noise, Outline, SpacingPlane,
 };
-use crate::anatomy::{Level, SagittalProfile};
+use crate::anatomy::{Level, Levels, SagittalProfile};
 use crate::number::{fixed, with_sd};
 use crate::spatial::{Angle, Orientation, Vec3};
 use crate::warning::{WarningCode, Warnings};
@@ -82,11 +82,12 @@ impl SpatialOutline {
     ) -> Result<Option<Self>, MeasureError> {
         let seen = lateral.measure(warnings)?;
         let found = Self::of(film, outline, &seen)?;
-        let missing: Vec<String> = joints()
+        let missing: Vec<String> = Levels::COMPLETE
+            .joint_pairs()
             .filter(|[low, high]| found.as_ref().is_none_or(|f| !f.has(*low) || !f.has(*high)))
             .map(|[low, high]| format!("{low}/{high}"))
             .collect();
-        let found = found.filter(|_| missing.len() < joints().count());
+        let found = found.filter(|_| missing.len() < Levels::COMPLETE.joints());
         match &found {
             None => {
                 let text = "the lateral film is not marked, or shows no two neighbouring vertebrae of the erect film: the sagittal profile comes from a population";
@@ -181,7 +182,8 @@ impl SpatialOutline {
     #[must_use]
     pub fn profile(&self, template: &SagittalProfile) -> SagittalProfile {
         let mut profile = template.clone();
-        for ([low, high], turn_deg) in joints().zip(&mut profile.turns_deg) {
+        let joints = Levels::COMPLETE.joint_pairs();
+        for ([low, high], turn_deg) in joints.zip(&mut profile.turns_deg) {
             if let Some((low, high)) = self.vertebra(low).zip(self.vertebra(high)) {
                 *turn_deg = (high.orientation.pitch - low.orientation.pitch).wrapped().deg();
             }
@@ -283,9 +285,4 @@ impl SpatialVertebra {
         let [tilt, lateral] = self.orientation.pitch_rates();
         (tilt * self.tilt_sd.rad()).powi(2) + (lateral * self.lateral_sd.rad()).powi(2)
     }
-}
-
-/// The joints of the model, caudal first.
-fn joints() -> impl Iterator<Item = [Level; 2]> {
-    Level::MODEL.windows(2).map(|pair| [pair[0], pair[1]])
 }

@@ -131,21 +131,14 @@ pub struct Loading {
 pub const UNIT_TOLERANCE: f64 = 1e-6;
 
 /// Which part of a loading.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum LoadPlace {
     /// Place in [`Loading::items`].
+    #[error("load {0}")]
     Item(usize),
     /// Place in [`Loading::rods`].
+    #[error("rod {0}")]
     Rod(usize),
-}
-
-impl std::fmt::Display for LoadPlace {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Item(place) => write!(f, "load {place}"),
-            Self::Rod(place) => write!(f, "rod {place}"),
-        }
-    }
 }
 
 /// A load that cannot be applied.
@@ -240,17 +233,18 @@ pub enum LoadingFault {
     },
 }
 
-/// A component of a rod's pose that a frontal support does not leave to it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RodComponent {
-    /// Displacement along the lower vertebra's anterior axis.
-    ShiftX,
-    /// Displacement along its cranial axis.
-    ShiftZ,
-    /// Rotation about its left axis.
-    TurnY,
-    /// Rotation about its cranial axis.
-    TurnZ,
+named! {
+    /// A component of a rod's pose that a frontal support does not leave to it, in the axes of the lower vertebra.
+    pub enum RodComponent {
+        /// Displacement along the anterior axis.
+        ShiftX = "shift_x" as "a displacement along x (to the front)",
+        /// Displacement along the cranial axis.
+        ShiftZ = "shift_z" as "a displacement along z (along the spine)",
+        /// Rotation about the left axis.
+        TurnY = "turn_y" as "a rotation about y (flexion)",
+        /// Rotation about the cranial axis.
+        TurnZ = "turn_z" as "a rotation about z (axial rotation)",
+    }
 }
 
 impl RodComponent {
@@ -261,17 +255,6 @@ impl RodComponent {
             Self::ShiftX | Self::ShiftZ => " mm",
             Self::TurnY | Self::TurnZ => "°",
         }
-    }
-}
-
-impl std::fmt::Display for RodComponent {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::ShiftX => "a displacement along x (to the front)",
-            Self::ShiftZ => "a displacement along z (along the spine)",
-            Self::TurnY => "a rotation about y (flexion)",
-            Self::TurnZ => "a rotation about z (axial rotation)",
-        })
     }
 }
 
@@ -464,7 +447,7 @@ impl Rod {
         Ok(())
     }
 
-    /// Looks for components that a frontal support does not leave to a rod.
+    /// Looks for components, in the axes of the lower vertebra, that a frontal support does not leave to a rod.
     fn check_frontal(&self) -> Result<(), LoadingFault> {
         let held = [
             (RodComponent::ShiftX, self.shift_mm.x),

@@ -1,7 +1,5 @@
 //! The equations of the mixed model about unknowns, and the iteration that solves them.
 
-use std::fmt;
-
 use nalgebra::{DMatrix, DVector, Matrix3, RowDVector, RowVector3, Vector3};
 
 use super::super::MULTIPLIER_BOUNDS;
@@ -14,33 +12,20 @@ use crate::multibody::Load;
 use crate::number::scientific;
 
 /// Why films give no loads.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoLoads {
     /// No film has joint rotations in millimetres.
+    #[error("no film has joint rotations in millimetres")]
     NoFilms,
     /// The rotations do not determine the loads.
+    #[error("the joint rotations do not determine the loads")]
     Undetermined,
     /// The iteration reached its limit with a step of this size, in `ln` of stiffness, discs or parts of a load.
+    #[error("the fit of loads to the joint rotations did not converge (last step {})", scientific(*last_step, 1))]
     NotConverged {
         /// Largest change of an unknown.
         last_step: f64,
     },
-}
-
-impl fmt::Display for NoLoads {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoFilms => f.write_str("no film has joint rotations in millimetres"),
-            Self::Undetermined => f.write_str("the joint rotations do not determine the loads"),
-            Self::NotConverged { last_step } => {
-                write!(
-                    f,
-                    "the fit of loads to the joint rotations did not converge (last step {})",
-                    scientific(*last_step, 1)
-                )
-            }
-        }
-    }
 }
 
 /// Upper bounds of the variances: of `ln` stiffness by joint, of centres in discs, and of `ln` stiffness along the spine.
