@@ -192,7 +192,7 @@ class Cohort(Sequence[Path]):
         Raises
         ------
         InputError
-            If an option is unknown, replicates or noise are out of range, two cases have the same identifier, a worker has
+            If an option is unknown, replicates or noise are out of range, two cases are of one patient, a worker has
             another version of Spineline, or the file of an option changes meanwhile.
         OSError
             If a file cannot be written, such as on a full disk; existing files are whole.
@@ -202,9 +202,8 @@ class Cohort(Sequence[Path]):
         asked = None if replicates is None else (replicates, str(noise), seed)
         request = _request(as_words(dict(options)), asked)
         paths = [os.path.abspath(path) for path in self._paths]
-        read = _native.identify_cases(paths)
-        _check_identifiers(paths, [case_id for _, case_id in read])
-        cases = [CaseRead(path, identity) for path, (identity, _) in zip(paths, read, strict=True)]
+        identities = _native.identify_cases(paths)
+        cases = [CaseRead(path, identity) for path, identity in zip(paths, identities, strict=True)]
         with _Run(os.path.abspath(out), request, cases, chunk) as run:
             if executor is not None:
                 return run.collect(executor, shown(progress, "cases"))
@@ -222,27 +221,6 @@ def _request(words: list[tuple[str, str]], asked: tuple[int, str, int] | None) -
     ]
     option_files = _native.check_options(words, asked)
     return Request(__version__, build_identity(), words, option_files, asked)
-
-
-def _check_identifiers(paths: Sequence[str], case_ids: Sequence[str | None]) -> None:
-    """Refuses two cases with the same identifier, as the program does: tables would mix the two patients.
-
-    Raises
-    ------
-    InputError
-        With the file of the second one.
-    """
-    known: dict[str, str] = {}
-    for path, case_id in zip(paths, case_ids, strict=True):
-        if case_id is None:
-            continue
-        if case_id in known:
-            raise InputError(
-                f"{path}: the case {case_id} was given already, by {known[case_id]}",
-                help="give every case its own `case_id`",
-                file=path,
-            )
-        known[case_id] = path
 
 
 class _Run:

@@ -101,8 +101,8 @@ class Model(_Exportable[_native.Model]):
         *loads
             :class:`Force`, :class:`Pad`, :class:`Rod`, :class:`Gravity`, or a load as a dictionary of a load file.
         amplitude_deg, towards
-            A lateral tilt of the line from the lowest to the highest vertebra, in degrees, and its side: the proportional
-            loads then get the factor that gives this tilt. Without them, the loads have their full size.
+            A lateral tilt of the line from the lowest to the highest vertebra against the axis of the lowest, in degrees, and
+            its side: the proportional loads then get the factor that gives this tilt. Without them, the loads have their full size.
         largest_factor
             The largest factor of the proportional loads that is tried.
         support
@@ -308,7 +308,9 @@ class Simulation(_Exportable[_native.Simulation]):
 
     @property
     def lateral_tilt_deg(self) -> float:
-        """Lateral tilt of the line from the lowest to the highest vertebra in degrees, positive to the patient's right.
+        """Lateral tilt of the line from the lowest to the highest vertebra against the axis of the lowest, in degrees.
+
+        Positive to the patient's right.
 
         Raises
         ------

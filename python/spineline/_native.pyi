@@ -11,6 +11,7 @@ VERSION: str
 BUILD: str
 IS_DEVELOPMENT: bool
 MAX_FILE_BYTES: int
+MIN_REPLICATES: int
 
 class Case:
     @property
@@ -106,7 +107,7 @@ def check_options(
     given: list[tuple[str, str]], replicates: tuple[int, str, int] | None
 ) -> list[tuple[str, str, str]]: ...
 def names_a_file(name: str, value: str) -> bool: ...
-def identify_cases(paths: list[str]) -> list[tuple[str, str | None]]: ...
+def identify_cases(paths: list[str]) -> list[str]: ...
 def analyze_paths(
     cases: list[tuple[str, str]],
     given: list[tuple[str, str]],

@@ -46,8 +46,10 @@ class Spread:
     sd: float | None
     """Standard deviation; None for a multiplier."""
     quantiles: tuple[float, float, float, float, float] | None
-    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None if no replicate has the number, at a bound of the fit, and for
-    distances and absolute errors, which any noise makes larger."""
+    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None if fewer than 40 replicates have the number, at a bound of the fit, and
+    for distances and absolute errors, which any noise makes larger."""
+    grows_with_noise: bool
+    """Whether any noise makes it larger, as distances and absolute errors: it has no interval."""
     at_bound: bool
     """Whether the value is at a bound of the fit: the films do not identify it, and it has no interval."""
     count: int
@@ -64,7 +66,7 @@ class Replicates(Mapping[str, Spread]):
     Examples
     --------
     >>> import spineline as sl
-    >>> found = sl.replicates(sl.analyze(sl.phantom("rod", subject=1)), n=10, seed=1)
+    >>> found = sl.replicates(sl.analyze(sl.phantom("rod", subject=1)), n=100, seed=1)
     >>> low, high = found.interval("cobb.erect.main_thoracic")
     >>> low < high
     True
@@ -116,8 +118,8 @@ class Replicates(Mapping[str, Spread]):
         Raises
         ------
         InputError
-            If the name is unknown, no replicate has the number, it is at a bound of the fit, or it is a distance or an
-            absolute error: any noise makes these larger, so an interval would be too high.
+            If the name is unknown, the number is at a bound of the fit, fewer than 40 replicates have it, or it is a distance
+            or an absolute error: any noise makes these larger, so an interval would be too high.
         """
         found = self[name]
         quantiles = found.quantiles
@@ -126,13 +128,17 @@ class Replicates(Mapping[str, Spread]):
                 f"`{name}` has no interval: it is at a bound of the fit, and the films do not identify it",
                 help="look at `at_bound` and `value`",
             )
-        if quantiles is None and found.count > 0:
+        if found.grows_with_noise:
             raise InputError(
                 f"`{name}` has no interval: any noise makes a distance or an absolute error larger",
                 help="take its `mean` and `sd`, and compare them with its `value`",
             )
+        fewest = _native.MIN_REPLICATES
         if quantiles is None:
-            raise InputError(f"no replicate has the number `{name}`", help="look at its `count`")
+            raise InputError(
+                f"`{name}` has no interval: {found.count} replicates have it, and an interval needs {fewest}",
+                help="give n=1000" if self.n < 1000 else "look at its `count`",
+            )
         return (quantiles[0], quantiles[4])
 
     @cached_property

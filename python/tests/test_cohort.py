@@ -333,6 +333,13 @@ def test_two_cases_with_one_identifier_are_refused(folder_of_cases: Path, tmp_pa
         with pytest.raises(sl.InputError, match="phantom-rod-01 was given already") as caught:
             sl.Cohort(paths).analyze(out=tmp_path / "out", chunk=1)
         assert "case_id" in caught.value.help
+    # Another name, and one film less: the same readings.
+    data = json.loads(first.read_bytes())
+    data["case_id"] = "other"
+    del data["films"][-1]
+    copy.write_text(json.dumps(data))
+    with pytest.raises(sl.InputError, match="has the landmarks of a film of the case phantom-rod-01"):
+        sl.Cohort([first, copy]).analyze(out=tmp_path / "out", chunk=1)
     assert not (tmp_path / "out").exists()
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import spineline as sl
+from spineline import _native
 
 
 def test_a_simulation_is_the_same_as_in_the_program(
@@ -125,16 +126,16 @@ def test_replicates_are_the_same_as_in_the_program(
 ) -> None:
     path = case.save(tmp_path / "case.json")
     subprocess.run(
-        [program, "analyze", path, "--replicates", "20", "--seed", "3"]
+        [program, "analyze", path, "--replicates", "60", "--seed", "3"]
         + ["--json", tmp_path / "program.json"],
         check=True,
         capture_output=True,
     )
     expected = json.loads((tmp_path / "program.json").read_text())
-    mc = sl.replicates(analysis, n=20, noise="measured", seed=3)
+    mc = sl.replicates(analysis, n=60, noise="measured", seed=3)
     assert json.loads(mc.to_json())["uncertainty"] == expected["uncertainty"]
-    assert mc == sl.replicates(analysis, n=20, seed=3, threads=1)
-    assert mc != sl.replicates(analysis, n=20, seed=4)
+    assert mc == sl.replicates(analysis, n=60, seed=3, threads=1)
+    assert mc != sl.replicates(analysis, n=60, seed=4)
     low, high = mc.interval("multiplier.main_thoracic")
     assert low < high
     log_low, log_high = mc.interval("log_multiplier.main_thoracic")
@@ -150,8 +151,21 @@ def test_replicates_are_the_same_as_in_the_program(
     # Any noise makes an absolute error larger: it has a mean, but no interval.
     errors = [name for name in mc if name.startswith("mean_location_error")]
     assert errors and all(mc[name].quantiles is None for name in errors)
-    with pytest.raises(sl.InputError, match="has no interval"):
-        mc.interval(next(name for name in errors if mc[name].count))
+    with pytest.raises(sl.InputError, match="any noise makes a distance or an absolute error larger"):
+        mc.interval(max(errors, key=lambda name: mc[name].count))
+
+
+def test_few_replicates_have_no_interval(analysis: sl.Analysis) -> None:
+    fewest, name = _native.MIN_REPLICATES, "cobb.erect.main_thoracic"
+    few = sl.replicates(analysis, n=fewest - 1)
+    assert few[name].quantiles is None and few[name].sd is not None
+    with pytest.raises(sl.InputError, match=f"{fewest - 1} replicates have it, and an interval needs {fewest}") as caught:
+        few.interval(name)
+    assert caught.value.help == "give n=1000"
+    with pytest.raises(sl.InputError, match="any noise"):
+        few.interval(next(name for name in few if name.startswith("mean_location_error")))
+    low, high = sl.replicates(analysis, n=fewest).interval(name)
+    assert low < high
 
 
 def test_unknown_noise_is_refused(analysis: sl.Analysis) -> None:

@@ -226,7 +226,7 @@ async function finish(page: Page): Promise<void> {
 }
 
 /** Picture of the current reading. */
-async function image(film: FilmPage): Promise<Api<"ReadingImage">> {
+async function image(film: FilmPage): Promise<Api<"FilmImage">> {
   const next = (await film.detail()).plan?.next;
   if (next?.kind !== "continue") throw new Error("no reading was begun");
   return (await film.get<Api<"ReadingView">>(`/api/readings/${next.reading}`)).image;

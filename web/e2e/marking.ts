@@ -109,7 +109,7 @@ export class FilmPage {
   }
 
   /** Places L4, the first requested vertebra, as a square in the middle of the film. */
-  async markSquare(image: Api<"ReadingImage">): Promise<void> {
+  async markSquare(image: Api<"FilmImage">): Promise<void> {
     const left = image.patient_left === "image_left" ? -1 : 1;
     for (const corner of CORNERS) {
       await expect(this.target).toContainText(wordsOf(corner));

@@ -69,7 +69,7 @@ test("a known force sets the level of stiffness, and an impossible one is refuse
   const dialog = page.getByRole("dialog", { name: "Model options" });
   await dialog.getByLabel("Scale constraint (gauge)").fill("known-force:left_bending=0");
   await dialog.getByRole("button", { name: "Apply" }).click();
-  await expect(dialog.getByRole("alert")).toContainText("greater than 0 N");
+  await expect(dialog.getByRole("alert")).toContainText("from 1 to 2000 N");
   await dialog.getByLabel("Scale constraint (gauge)").fill("known-force:left_bending=80");
   await dialog.getByRole("button", { name: "Apply" }).click();
   await expect(page.getByText("scaled to the known force").first()).toBeVisible();

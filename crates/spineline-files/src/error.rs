@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use spineline::analysis::CASE_ID_RULE;
+use spineline::analysis::{CASE_ID_RULE, LENKE_RULE};
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::number::{fixed, scientific};
 
@@ -29,6 +29,12 @@ pub enum FileError {
         at: usize,
         /// Whether it is UTF-16.
         utf_16: bool,
+    },
+    /// The file is a database, as study stores are.
+    #[error("{}: it is a database, such as a study store, and not a text", path.display())]
+    Database {
+        /// Which file.
+        path: PathBuf,
     },
     /// More bytes than any file of its kind needs.
     #[error(
@@ -118,6 +124,22 @@ pub enum FileError {
         "{posture} film: `placement_source` is `surface_midline`, but the film has no locations and tilts"
     )]
     SourceOfCorners {
+        /// Film.
+        posture: Posture,
+    },
+    /// An angle of more than half a turn.
+    #[error("{place}: `{key}` is {deg}, and must be from -180 to 180")]
+    Angle {
+        /// Where in the file.
+        place: String,
+        /// The key of the angle.
+        key: &'static str,
+        /// The angle.
+        deg: f64,
+    },
+    /// Locations in millimetres of a film without millimetres.
+    #[error("{posture} film: its locations are in mm, but their plane is `pixels`")]
+    LengthsOfPixels {
         /// Film.
         posture: Posture,
     },
@@ -241,6 +263,34 @@ pub enum FileError {
         /// The identifier.
         found: String,
     },
+    /// A Lenke class that [`spineline::analysis::is_lenke_class`] does not allow, such as the name of a person.
+    #[error("`lenke` of the subject is `{found}`; expected {LENKE_RULE}")]
+    Lenke {
+        /// The class.
+        found: String,
+    },
+    /// A picture file in a folder, which may carry the name of a person.
+    #[error(
+        "{film} film: `file` of its image {}; expected the name of a file beside the case file",
+        name.as_ref().map_or_else(
+            || "does not name a file".to_owned(),
+            |name| format!("names a folder or a drive before `{name}`")
+        )
+    )]
+    PictureFolder {
+        /// Posture of the film, or `lateral`.
+        film: String,
+        /// Name of the file, without its folder; absent where there is only a folder.
+        name: Option<String>,
+    },
+    /// A SHA-256 that is none.
+    #[error("{film} film: `sha256` of its image is `{found}`; expected 64 hexadecimal digits")]
+    PictureHash {
+        /// Posture of the film, or `lateral`.
+        film: String,
+        /// The text.
+        found: String,
+    },
     /// One picture file of two films.
     #[error("the {a} and the {b} film are the same picture: {picture}")]
     PictureTwice {
@@ -307,6 +357,18 @@ pub enum FileError {
         /// Why.
         reason: String,
     },
+    /// A cell of a table that is not a code, such as the name of a person.
+    #[error("line {line}: `{column}` is `{found}`, and must be {rule}")]
+    RowCode {
+        /// Line, from 1.
+        line: u64,
+        /// Its column.
+        column: &'static str,
+        /// The start of the cell.
+        found: String,
+        /// What a code is.
+        rule: &'static str,
+    },
     /// A load file without loads.
     #[error("`loads` is empty")]
     NoLoads,
@@ -344,6 +406,9 @@ impl FileError {
         match self {
             Self::Read { .. } => "check the path and its permissions",
             Self::NotUtf8 { .. } => "save the file as UTF-8; in Excel as `CSV UTF-8`",
+            Self::Database { .. } => {
+                "`spineline study export STORE STUDY` writes a study of a store as a case file"
+            }
             Self::TooLarge { .. } => {
                 "check that it is the right file; give a cohort as one file per patient"
             }
@@ -371,7 +436,20 @@ impl FileError {
             Self::LengthsOfCorners { .. } => {
                 "remove `lengths`: corners take their unit from the spacing and `spacing_plane` of `image`"
             }
+            Self::Angle { .. } => "give the angle in degrees, without full turns",
+            Self::LengthsOfPixels { .. } => {
+                "give the `plane` of `lengths` as patient, detector or unknown"
+            }
             Self::CaseId { .. } => "use a short pseudonym, and never the name of a person",
+            Self::Lenke { .. } => {
+                "correct `lenke`, or leave it out; never write the name of a person there"
+            }
+            Self::PictureFolder { .. } => {
+                "put the picture beside the case file, and give its name alone, without `/`, `\\` and `:`"
+            }
+            Self::PictureHash { .. } => {
+                "give the SHA-256 of the picture's file, or leave `sha256` out"
+            }
             Self::PictureTwice { .. } => {
                 "a film shows one posture: name the right picture, or remove the film that was not taken"
             }
@@ -412,6 +490,7 @@ impl FileError {
             Self::Column { .. } | Self::Row { .. } => {
                 "a table of readings is CSV with the columns quantity, unit, subject, observer, repeat, value; one reading per row"
             }
+            Self::RowCode { .. } => "give a code such as A, and no name of a person",
             Self::NoLoads => "give at least one; `spineline schema load` prints every kind",
             Self::Load { help, .. } => help,
         }

@@ -49,8 +49,8 @@ pub use analysis_file::{
     AnalysisFile, StoredAnalysis, parse_analysis, parse_case_within, picture_warnings,
 };
 pub use case_file::{
-    CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_geometry,
-    written_axis_deg,
+    CaseFile, FilmSource, image_value, is_picture_name, parse_case, parse_case_file, parse_image,
+    with_geometry, written_axis_deg,
 };
 pub use cohort_file::CohortFile;
 pub use content::{Content, RunningContent, case_ids, content_words, text_with_hash, with_hash};

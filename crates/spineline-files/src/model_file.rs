@@ -45,12 +45,18 @@ pub struct ModelFile {
     gauge: String,
     /// Whether forces and springs are absolute; else only their ratios are meaningful.
     absolute: bool,
-    /// From the fixed L4 to T2, erect and unloaded.
+    /// Mass of the body whose trunk the springs carry in the erect shape; absent where they carry nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    carried_body_mass_kg: Option<f64>,
+    /// From the fixed L4 to T2, erect.
     vertebrae: Vec<VertebraRecord>,
     /// Caudal first.
     joints: Vec<JointRecord>,
     /// One load per simulated posture.
     loads: Vec<FilmLoad>,
+    /// What the films say against the model, in sentences; absent without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    doubts: Vec<String>,
     /// Where Cobb and Ferguson angles are measured, caudal first; the usual places if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     regions: Option<Vec<RegionRecord>>,
@@ -151,9 +157,11 @@ impl ModelFile {
             support: model.support,
             gauge: analysis.options.gauge.key().to_owned(),
             absolute: model.absolute,
+            carried_body_mass_kg: model.carried_body_mass_kg,
             vertebrae: vertebrae(&model),
             joints: joints(&model, &analysis.movement),
             loads: model.loads,
+            doubts: model.doubts,
             regions: model.curves.as_deref().map(|curves| regions(curves, &model.levels)),
             provenance: None,
             case_id: model.case_id,
@@ -298,6 +306,7 @@ impl ModelFile {
             synthetic: self.synthetic,
             line: self.line,
             absolute: self.absolute,
+            carried_body_mass_kg: self.carried_body_mass_kg,
             levels,
             pitch_from: self.vertebrae.iter().map(|v| v.pitch_from).collect(),
             axial_from: self.vertebrae.iter().map(|v| v.axial_rotation_from).collect(),
@@ -312,6 +321,7 @@ impl ModelFile {
             curves,
             support: self.support,
             loads: self.loads,
+            doubts: self.doubts,
         };
         Ok(StoredModel { model, provenance: self.provenance })
     }

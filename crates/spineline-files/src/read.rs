@@ -13,7 +13,7 @@ pub const MAX_ANALYSES_BYTES: u64 = 256 << 20;
 /// Reads a text file whole, if it has at most [`MAX_FILE_BYTES`].
 ///
 /// # Errors
-/// [`FileError::Read`], [`FileError::TooLarge`], [`FileError::NotUtf8`].
+/// [`FileError::Read`], [`FileError::TooLarge`], [`FileError::NotUtf8`], [`FileError::Database`].
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     text_of(path, read_bytes(path, MAX_FILE_BYTES)?)
 }
@@ -21,8 +21,11 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// The text of a file from its bytes.
 ///
 /// # Errors
-/// [`FileError::NotUtf8`].
+/// [`FileError::NotUtf8`], [`FileError::Database`].
 pub fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> {
+    if bytes.starts_with(b"SQLite format 3\0") {
+        return Err(FileError::Database { path: path.to_owned() });
+    }
     let utf_16 = is_utf_16(&bytes);
     let refused = |at| FileError::NotUtf8 { path: path.to_owned(), at, utf_16 };
     match String::from_utf8(bytes) {

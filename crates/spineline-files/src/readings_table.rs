@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
+use spineline::analysis::{CASE_ID_RULE, is_case_id};
+use spineline::measure::{OBSERVER_RULE, is_observer_code};
 use spineline::reliability::RatedQuantity;
 
 use crate::FileError;
@@ -40,8 +42,9 @@ pub struct ReadingsTable {
 /// ```
 ///
 /// # Errors
-/// [`FileError::Column`] for a column that is missing, twice there or unknown, and [`FileError::Row`] for an invalid row:
-/// a number that is not finite, an empty name, another unit of the same quantity, a reading given twice.
+/// [`FileError::Column`] for a column that is missing, twice there or unknown, [`FileError::RowCode`] for a subject or an
+/// observer that is not a code, and [`FileError::Row`] for another invalid row: a number that is not finite, an empty name, another
+/// unit of the same quantity, a reading given twice.
 pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
     // Programs that write CSV for a spreadsheet put a byte-order mark first.
     // The reader counts the end `\r\n` as a part of the next line.
@@ -76,7 +79,8 @@ pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
             continue;
         }
         columns.check_width(&record).map_err(fault)?;
-        synthetic |= columns.insert(&record, &mut quantities).map_err(fault)?;
+        synthetic |=
+            columns.insert(&record, &mut quantities).map_err(|fault| fault.at_line(line))?;
     }
     if quantities.is_empty() {
         return Err(FileError::Row { line: 2, reason: "no reading".to_owned() });
@@ -110,6 +114,29 @@ fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileE
     }
 }
 
+/// What is wrong with a row.
+enum RowFault {
+    /// In words.
+    Reason(String),
+    /// A cell that is not a code.
+    Code { column: &'static str, found: String, rule: &'static str },
+}
+
+impl From<String> for RowFault {
+    fn from(reason: String) -> Self {
+        Self::Reason(reason)
+    }
+}
+
+impl RowFault {
+    fn at_line(self, line: u64) -> FileError {
+        match self {
+            Self::Reason(reason) => FileError::Row { line, reason },
+            Self::Code { column, found, rule } => FileError::RowCode { line, column, found, rule },
+        }
+    }
+}
+
 /// Where the columns stand, and what separates them.
 struct Columns {
     places: BTreeMap<&'static str, usize>,
@@ -129,10 +156,10 @@ impl Columns {
     }
 
     /// A number; beside semicolons and tabs its decimal mark may be a comma.
-    fn number(&self, cell: &str) -> Option<f64> {
+    fn parsed(&self, cell: &str) -> Option<f64> {
         let text =
             if self.separator == b',' { cell.to_owned() } else { cell.replacen(',', ".", 1) };
-        text.parse::<f64>().ok().filter(|value| value.is_finite())
+        text.parse().ok()
     }
 
     /// Adds one row to its quantity, and returns whether it is of a synthetic film.
@@ -140,28 +167,25 @@ impl Columns {
         &self,
         record: &StringRecord,
         quantities: &mut BTreeMap<String, RatedQuantity>,
-    ) -> Result<bool, String> {
+    ) -> Result<bool, RowFault> {
         let places = &self.places;
         let cell = |column: &str| {
             places.get(column).and_then(|&place| record.get(place)).unwrap_or_default()
         };
-        let name = |column| name(column, cell(column));
-        let (key, unit) = (name("quantity")?, name("unit")?);
-        let (subject, observer) = (name("subject")?, name("observer")?);
-        let repeat = match whole_number(cell("repeat")) {
-            Some(repeat) if repeat > 0 => repeat,
-            _ => {
-                return Err(format!(
-                    "`repeat` is `{}`; it must be a whole number from 1",
-                    shortened(cell("repeat"))
-                ));
-            }
-        };
-        // A subject that was not read.
-        if is_no_number(cell("value")) {
+        let (key, unit) = (name("quantity", cell("quantity"))?, name("unit", cell("unit"))?);
+        let subject = code("subject", cell("subject"), CASE_ID_RULE, is_case_id)?;
+        let observer = code("observer", cell("observer"), OBSERVER_RULE, is_observer_code)?;
+        let repeat = whole_number(cell("repeat")).filter(|&repeat| repeat > 0);
+        let repeat = repeat.ok_or_else(|| {
+            format!("`repeat` is `{}`; it must be a whole number from 1", shortened(cell("repeat")))
+        })?;
+        // A subject that was not read; an infinite number is a fault of what wrote it.
+        let is_infinite = self.parsed(cell("value")).is_some_and(f64::is_infinite);
+        if is_no_number(cell("value")) && !is_infinite {
             return Ok(false);
         }
-        let value = self.number(cell("value")).ok_or_else(|| {
+        let value = self.parsed(cell("value")).filter(|value| value.is_finite());
+        let value = value.ok_or_else(|| {
             format!("`value` is `{}`, which is not a number", shortened(cell("value")))
         })?;
         let synthetic = match cell("synthetic").to_ascii_lowercase().as_str() {
@@ -169,22 +193,21 @@ impl Columns {
             "false" => false,
             "" if !places.contains_key("synthetic") => false,
             other => {
-                return Err(format!(
-                    "`synthetic` is `{}`; it must be true or false",
-                    shortened(other)
-                ));
+                let other = shortened(other);
+                return Err(format!("`synthetic` is `{other}`; it must be true or false").into());
             }
         };
         let quantity = quantities
             .entry(key.to_owned())
             .or_insert_with(|| RatedQuantity::new(key, unit, "as in the table of readings"));
         if quantity.unit != unit {
-            return Err(format!("`{key}` is in {unit}, but in {} above", quantity.unit));
+            return Err(format!("`{key}` is in {unit}, but in {} above", quantity.unit).into());
         }
         if !quantity.insert(subject, observer, repeat, value) {
             return Err(format!(
                 "`{key}` of subject {subject} by observer {observer}, repeat {repeat}, is given twice"
-            ));
+            )
+            .into());
         }
         Ok(synthetic)
     }
@@ -207,6 +230,20 @@ fn name<'a>(column: &str, cell: &'a str) -> Result<&'a str, String> {
         return Err(format!("`{column}` holds a control character"));
     }
     Ok(text)
+}
+
+/// A cell that names a patient or a reader by a code.
+fn code<'a>(
+    column: &'static str,
+    cell: &'a str,
+    rule: &'static str,
+    is_code: fn(&str) -> bool,
+) -> Result<&'a str, RowFault> {
+    let text = name(column, cell)?;
+    if is_code(text) {
+        return Ok(text);
+    }
+    Err(RowFault::Code { column, found: shortened(text), rule })
 }
 
 fn row_error(error: &csv::Error, line: u64) -> FileError {

@@ -63,13 +63,14 @@ pub struct StoredRotationPrior {
 }
 
 impl StoredRotationPrior {
-    /// Refuses a case that the distribution was learned from (by SHA-256 or identifier): the distribution knows its films.
+    /// Refuses a case that the distribution was learned from (by SHA-256, or by identifier in any case of its letters): the
+    /// distribution knows its films.
     ///
     /// # Errors
     /// [`FileError::LearnedFrom`].
     pub fn check_case(&self, sha256: &str, case_id: &str) -> Result<(), FileError> {
         let is_known = self.learned_from.iter().any(|one| one == sha256)
-            || self.case_ids.iter().any(|one| one == case_id);
+            || self.case_ids.iter().any(|one| one.eq_ignore_ascii_case(case_id));
         if is_known { Err(FileError::LearnedFrom { case_id: case_id.to_owned() }) } else { Ok(()) }
     }
 

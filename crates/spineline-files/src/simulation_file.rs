@@ -63,14 +63,14 @@ pub struct SimulationFile {
 enum GoalRecord {
     /// The loads as they are given: a factor of one.
     FullLoad,
-    /// A lateral tilt of the line from L4 to T2.
+    /// A lateral tilt of the line from L4 to T2 against L4's axis.
     LateralTilt { lateral_tilt_right_deg: f64 },
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AnglesRecord {
-    /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
+    /// Lateral tilt of the line from L4 to T2 against L4's axis; positive to the patient's right.
     lateral_tilt_right_deg: f64,
     /// Between endplates, positive where convex to the left; empty where the model file has no endplates.
     cobb_deg: BTreeMap<Region, f64>,

@@ -43,7 +43,7 @@ struct LoadedSpreadRecord {
     value: Option<f64>,
     mean: Option<f64>,
     sd: Option<f64>,
-    /// The central 95 %; `null` for fewer than two replicates.
+    /// The central 95 %; `null` where fewer than 40 replicates have it.
     interval_95: Option<[f64; 2]>,
     /// The 25, 50 and 75 % quantiles.
     quartiles: Option<[f64; 3]>,

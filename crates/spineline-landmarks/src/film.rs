@@ -8,7 +8,7 @@ use spineline::measure::{
     CornerName, Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Origin, Placement,
     PlacementSource, Reading, ReadingId, SpacingPlane, VertebraLandmarks, check_landmarks,
 };
-use spineline::spatial::Pixel;
+use spineline::spatial::{Angle, Pixel};
 use spineline_files::column_name;
 
 use super::LandmarkError;
@@ -366,6 +366,15 @@ pub(super) fn confidence(value: f64, at: &str) -> Result<f64, LandmarkError> {
         at: at.to_owned(),
         value: value.to_string(),
         expected: "a confidence from 0 to 1",
+    })
+}
+
+/// An angle of at most half a turn.
+pub(super) fn degrees(deg: f64, at: &str) -> Result<Angle, LandmarkError> {
+    Angle::within_half_turn(deg).ok_or_else(|| LandmarkError::Value {
+        at: at.to_owned(),
+        value: deg.to_string(),
+        expected: "an angle in degrees from -180 to 180",
     })
 }
 

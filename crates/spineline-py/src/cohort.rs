@@ -9,11 +9,12 @@ use pyo3::types::PyBytes;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use spineline::analysis::{Analysis, Subject};
+use spineline::cohort::{KnownPatients, PatientMarks};
 use spineline::uncertainty::Uncertainty;
 use spineline_files::method_text::{OptionFile, option_file, options_of};
 use spineline_files::{
-    InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes, sha256_hex,
-    text_of, to_line,
+    CaseFile, InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes,
+    sha256_hex, text_of, to_line,
 };
 use spineline_tables::{NumberFormat, Patient, Series, Table, TableError, Values, tables};
 
@@ -37,20 +38,25 @@ pub fn check_options(
     Ok(task.option_files.into_iter().map(words).collect())
 }
 
-/// For every case file: SHA-256 of its bytes, or why it cannot be read, and the identifier of its case, if it is valid.
+/// For every case file: SHA-256 of its bytes, or why it cannot be read. Refuses a patient who would count twice.
 #[pyfunction]
-pub fn identify_cases(
-    py: Python<'_>,
-    paths: Vec<PathBuf>,
-) -> PyResult<Vec<(String, Option<String>)>> {
+pub fn identify_cases(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Vec<String>> {
     let threads = pool(0)?;
-    apart(py, move |stop| {
+    let (paths, read) = apart(py, move |stop| {
         let one = |path: &PathBuf| {
             let is_stopped = stop.load(Ordering::Relaxed);
             if is_stopped { Default::default() } else { CaseText::read(path).identity() }
         };
-        threads.install(|| paths.par_iter().map(one).collect())
-    })
+        let read: Vec<_> = threads.install(|| paths.par_iter().map(one).collect());
+        (paths, read)
+    })?;
+    let mut known = KnownPatients::default();
+    let (identities, patients): (Vec<String>, Vec<Option<PatientMarks>>) = read.into_iter().unzip();
+    for (path, patient) in paths.iter().zip(patients) {
+        let added = patient.map_or(Ok(()), |patient| known.add(patient));
+        added.map_err(|error| Fault::new(&error, error.help()).in_file(path))?;
+    }
+    Ok(identities)
 }
 
 /// Analyses case files one after the other, as long as a folder exists, which the calling process removes at its end. A
@@ -154,12 +160,16 @@ impl CaseText {
         Self(text_of(path, bytes).map_err(|error| (digest, error.into())))
     }
 
-    /// SHA-256, or why it is missing, and the identifier of the case.
-    fn identity(&self) -> (String, Option<String>) {
+    /// SHA-256, or why it is missing, and what tells the patient of the case from others.
+    fn identity(&self) -> (String, Option<PatientMarks>) {
         match &self.0 {
             Ok(text) => {
-                let case = parse_case_within(text).ok().map(|(case, _)| case.id().to_owned());
-                (sha256_hex(text.as_bytes()), case)
+                let marks = |(case, _): (CaseFile, _)| {
+                    let id = case.id().to_owned();
+                    case.into_case()
+                        .map_or_else(|_| PatientMarks::of_id(id), |case| PatientMarks::of(&case))
+                };
+                (sha256_hex(text.as_bytes()), parse_case_within(text).ok().map(marks))
             }
             Err((identity, _)) => (identity.clone(), None),
         }

@@ -111,6 +111,7 @@ impl From<FileError> for Fault {
             FileError::MixedKinds { posture }
             | FileError::NoImage { posture }
             | FileError::SourceOfCorners { posture }
+            | FileError::LengthsOfPixels { posture }
             | FileError::SpacingIncomplete { posture }
             | FileError::SpacingOfPixels { posture } => Some(*posture),
             _ => None,

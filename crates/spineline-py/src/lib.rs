@@ -62,4 +62,8 @@ mod _native {
     /// Largest file of a case or of landmarks.
     #[pymodule_export]
     const MAX_FILE_BYTES: u64 = spineline_files::MAX_FILE_BYTES;
+
+    /// Fewest replicates with a 95 % interval.
+    #[pymodule_export]
+    const MIN_REPLICATES: u64 = spineline::uncertainty::Spread::MIN_COUNT;
 }

@@ -115,6 +115,7 @@ impl Replicates {
                 // Without an interval, quantiles are left out too.
                 quantiles: one.interval_95().and(one.spread).map(|spread| spread.quantiles),
                 at_bound: one.at_bound,
+                grows_with_noise: one.quantity.grows_with_noise(),
                 count: one.count,
             };
             if let (Some(rest), Some(ratio)) =
@@ -237,5 +238,6 @@ struct Numbers {
     sd: Option<f64>,
     quantiles: Option<[f64; 5]>,
     at_bound: bool,
+    grows_with_noise: bool,
     count: u64,
 }

@@ -78,6 +78,24 @@ impl NoticeKind {
     }
 }
 
+#[cfg(feature = "api")]
+impl utoipa::PartialSchema for NoticeKind {
+    fn schema() -> utoipa::openapi::RefOr<utoipa::openapi::Schema> {
+        utoipa::openapi::ObjectBuilder::new()
+            .schema_type(utoipa::openapi::Type::String)
+            .description(Some(<Self as spineline::anatomy::Named>::description()))
+            .enum_values(Some(Self::ALL.map(Self::key)))
+            .into()
+    }
+}
+
+#[cfg(feature = "api")]
+impl utoipa::ToSchema for NoticeKind {
+    fn name() -> std::borrow::Cow<'static, str> {
+        "ReportNoticeKind".into()
+    }
+}
+
 impl From<Severity> for NoticeKind {
     fn from(severity: Severity) -> Self {
         match severity {
@@ -93,7 +111,6 @@ impl From<Severity> for NoticeKind {
 #[cfg_attr(feature = "api", derive(utoipa::ToSchema), schema(as = ReportNotice))]
 pub struct Notice {
     /// Severity.
-    #[cfg_attr(feature = "api", schema(value_type = String))]
     pub kind: NoticeKind,
     /// Subject, such as `left bending film, T9`; may be empty.
     pub place: String,
@@ -163,21 +180,22 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table without rows.
+    /// A table without rows: for rows that come from several sources, or whose cells or columns are made together.
     #[must_use]
     pub fn new(caption: impl Into<String>, columns: Vec<Column>) -> Self {
         Self { caption: caption.into(), columns, rows: Vec::new(), note: String::new() }
     }
 
-    /// A table with one row per item, whose columns are filled one by one.
+    /// A table with one row per item, whose columns are filled one by one: for cells that follow from their item alone, each beside its
+    /// head. Else [`Table::new`].
     pub(crate) fn of<R>(
         caption: impl Into<String>,
         items: impl IntoIterator<Item = R>,
-        columns: impl FnOnce(&mut Columns<R>),
+        columns: impl FnOnce(&mut RowColumns<R>),
     ) -> Self {
         let items: Vec<R> = items.into_iter().collect();
         let table = Self { rows: vec![Vec::new(); items.len()], ..Self::new(caption, Vec::new()) };
-        let mut add = Columns { items, table };
+        let mut add = RowColumns { items, table };
         columns(&mut add);
         add.table
     }
@@ -193,12 +211,12 @@ impl Table {
 }
 
 /// Columns of [`Table::of`]: each call heads and fills the next one.
-pub(crate) struct Columns<R> {
+pub(crate) struct RowColumns<R> {
     items: Vec<R>,
     table: Table,
 }
 
-impl<R> Columns<R> {
+impl<R> RowColumns<R> {
     fn add<C: Into<String>>(&mut self, column: Column, cell: impl Fn(&R) -> C) {
         self.table.columns.push(column);
         for (row, item) in self.table.rows.iter_mut().zip(&self.items) {

@@ -14,6 +14,7 @@ use spineline_files::Simulated;
 
 use crate::document::{Column, Table};
 use crate::loaded_words::{interval_words, measure_words};
+use crate::phrases::sentence_case;
 
 /// A personalised spine and its response to loads.
 #[derive(Debug, Clone, Copy)]
@@ -143,7 +144,7 @@ impl LoadedTables<'_> {
             LoadedQuantity::Cobb(region) => format!("Cobb, {region}"),
             LoadedQuantity::TiltRange(region) => format!("Tilt range, {region}"),
             LoadedQuantity::Ferguson(region) => format!("Ferguson, {region}"),
-            LoadedQuantity::LateralTilt => format!("Lateral tilt of {}", self.ends()),
+            LoadedQuantity::LateralTilt => sentence_case(&self.lateral_tilt()),
             LoadedQuantity::TopTilt => format!("Tilt of {top} against {base}"),
             LoadedQuantity::TopOffset => format!("{top} from the axis of {base}"),
             LoadedQuantity::CoronalBalance => {
@@ -181,7 +182,7 @@ impl LoadedTables<'_> {
             add.numbers("Largest joint rotation", |met| {
                 largest_hinge(&met.equilibrium.deformed).2.abs().to_string()
             });
-            add.numbers(format!("Lateral tilt of {}", self.ends()), |met| {
+            add.numbers(sentence_case(&self.lateral_tilt()), |met| {
                 met.equilibrium.deformed.lateral_tilt().leaning()
             });
             add.words("Verdict", |met| verdict_words(met));
@@ -212,10 +213,11 @@ impl LoadedTables<'_> {
         let mut texts = vec![format!("{} · {meaning}", name.to_uppercase())];
         if let (None, Some(point)) = (response.result(), response.nearest()) {
             texts.push(format!(
-                "Nearest shape on the path: factor {} of the {} loads, lateral tilt {}, largest joint rotation {}",
+                "Nearest shape on the path: factor {} of the {} loads, lateral tilt {} against {}'s axis, largest joint rotation {}",
                 fixed(point.factor, 4),
                 point.timing.word(),
                 point.deformed.lateral_tilt().leaning(),
+                self.end_names()[0],
                 largest_hinge(&point.deformed).2.abs()
             ));
         }
@@ -243,9 +245,14 @@ impl LoadedTables<'_> {
     }
 
     /// The base and the top of the model, such as `L4-T2`.
-    #[must_use]
-    pub fn ends(&self) -> String {
+    fn ends(&self) -> String {
         self.end_names().join("-")
+    }
+
+    /// The lateral tilt with its reference, which is not the iliac line of films.
+    #[must_use]
+    pub fn lateral_tilt(&self) -> String {
+        format!("lateral tilt of {} against {}'s axis", self.ends(), self.end_names()[0])
     }
 
     fn end_names(&self) -> [&'static str; 2] {

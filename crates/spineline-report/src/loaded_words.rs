@@ -121,12 +121,13 @@ mod tests {
         let [low, high] = ends;
         let quantiles = [low, low, (low + high) / 2.0, high, high];
         let spread = Some(Spread { mean: low, sd: 1.0, quantiles });
-        let one = |state, nominal| LoadedSpread { quantity, state, nominal, count: 9, spread };
+        let count = Spread::MIN_COUNT;
+        let one = |state, nominal| LoadedSpread { quantity, state, nominal, count, spread };
         let found = LoadedUncertainty {
             seed: 1,
-            requested: 9,
-            done: 9,
-            usable: 9,
+            requested: count,
+            done: count,
+            usable: count,
             endings: Vec::new(),
             noise: Vec::new(),
             numbers: vec![one(LoadedState::Erect, Some(erect)), one(state, None)],

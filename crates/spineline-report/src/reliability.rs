@@ -1,7 +1,7 @@
 //! The reliability of readings as a document: one row per quantity, or all statistics of every quantity and design.
 
 use spineline::reliability::{
-    BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticKind,
+    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, Statistic, StatisticKind,
     shown_measure,
 };
 
@@ -17,7 +17,13 @@ pub fn summary(found: &[QuantityReliability], synthetic: bool, generator: &str) 
     let mut section = Section::new("reliability", "");
     section.table(in_short(found));
     if section.blocks.is_empty() {
-        section.paragraph("No quantity was read twice: its reliability is not known.");
+        let mut compared =
+            found.iter().flat_map(|one| &one.designs).filter(|design| design.raters.len() > 1);
+        let reason = compared.find_map(|design| design.statistics.first()?.outcome.err());
+        section.paragraph(reason.map_or_else(
+            || "No quantity was read twice: its reliability is not known.".to_owned(),
+            |reason| format!("The reliability is not known: {reason}."),
+        ));
     }
     section.paragraph("All statistics and designs: --full.");
     document(section, found.len(), synthetic, generator)
@@ -97,6 +103,10 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
         ]);
     }
     table.note = format!("MDC95: smallest real change of one reading. r: Pearson. {NOTE}");
+    let mut remarks = found.iter().flat_map(|one| &one.designs).flat_map(|one| &one.remarks);
+    if let Some(left_out) = remarks.find(|remark| matches!(remark, Remark::InPixels { .. })) {
+        table.note.push_str(&format!(" {left_out}."));
+    }
     table
 }
 

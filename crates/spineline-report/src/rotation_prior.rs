@@ -69,12 +69,12 @@ fn errors(learned: &LearnedRotations) -> Table {
         let error = if errors.patients.n == 0 { none() } else { error };
         table.row(vec![what.to_owned(), errors.patients.n.to_string(), error]);
     };
-    row("location of T2", &learned.from_location_mm);
-    row("location and tilt of T2", &learned.with_tilt_mm);
+    row("location of the top vertebra", &learned.from_location_mm);
+    row("location and tilt of the top vertebra", &learned.with_tilt_mm);
     row(
-        "location and tilt of T2, published mobility instead of other patients",
+        "location and tilt of the top vertebra, published mobility instead of other patients",
         &learned.published_with_tilt_mm,
     );
-    table.note = "Without mechanics. The scale of every film is fitted too. A line of action uses only T2's location.".to_owned();
+    table.note = "Without mechanics. The scale of every film is fitted too. A line of action uses only the location of the top vertebra.".to_owned();
     table
 }

@@ -5,11 +5,11 @@ use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline::number::fixed;
 use spineline_store::CurrentCase;
 
-use crate::api::{ReadingImage, Wire};
+use crate::api::{FilmImage, Wire};
 
 /// A film's picture with its texts.
-pub fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> ReadingImage {
-    ReadingImage {
+pub fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> FilmImage {
+    FilmImage {
         columns: image.columns,
         rows: image.rows,
         pixel_aspect: pixel_aspect(image.spacing),

@@ -88,7 +88,7 @@ fn numbers(add: &mut Columns<'_, Number<'_>>) {
         "interval_95",
         Unit::Stated,
         [
-            "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model",
+            "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model; empty where fewer than 40 have a value",
             "97.5 % quantile, likewise",
         ],
         |row| row.spread?.interval_95(),

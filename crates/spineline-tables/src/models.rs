@@ -286,7 +286,7 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
     add.number(
         "film_scale",
         Unit::One,
-        "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one",
+        "the film's scale against the erect film: from all vertebrae of a fitted film, from the top vertebra of a predicted one",
         |row| row.simulation.shape.scale.factor,
     );
     add.interval(

@@ -69,7 +69,7 @@ fn location(add: &mut Columns<'_, LoadedShape<'_>>, top: &str) {
     add.number(
         "lateral_tilt_right",
         Unit::Degrees,
-        "lateral tilt of the line from the lowest to the uppermost vertebra; positive to the patient's right",
+        "lateral tilt of the line from the lowest to the uppermost vertebra against the lowest's axis; positive to the patient's right",
         |row| row.angles.lateral_tilt.deg(),
     );
     let ways = [

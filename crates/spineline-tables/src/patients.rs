@@ -83,15 +83,19 @@ fn inflections(add: &mut Columns<'_, PatientRow<'_>>) {
         row.analysis.movement.inflections.all.len()
     });
     let of_end = [
-        ("caudal", "vertebrae around the caudal inflection"),
-        ("cranial", "vertebrae around the cranial inflection"),
+        (
+            "caudal",
+            "vertebrae around the caudal inflection, or the vertebra at whose midpoint it was put",
+        ),
+        (
+            "cranial",
+            "vertebrae around the cranial inflection, or the vertebra at whose midpoint it was put",
+        ),
     ];
     for (end, (name, meaning)) in of_end.into_iter().enumerate() {
         let name = |part: &str| format!("inflection_{name}_{part}");
         let mm = Unit::Millimetres;
-        add.text(&name("between"), meaning, |row| {
-            inflection(row, end).map(|found| format!("{}/{}", found.between.0, found.between.1))
-        });
+        add.text(&name("between"), meaning, |row| inflection(row, end).map(|found| found.place()));
         add.number(
             &name("y"),
             mm,

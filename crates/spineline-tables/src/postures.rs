@@ -45,7 +45,7 @@ fn film(add: &mut Columns<'_, PostureRow<'_>>) {
     add.number(
         "amplitude",
         Unit::Degrees,
-        "lateral tilt of the line between two vertebrae against the normal of the iliac line; positive to the patient's right",
+        "lateral tilt of the line between two vertebrae against the normal of the iliac line, or without iliac crests against the axis of the lowest vertebra of the model; positive to the patient's right",
         |row| row.outline.amplitude().deg(),
     );
     add.text("amplitude_between", "vertebrae of the amplitude, the lower one first", |row| {

@@ -3,7 +3,7 @@ import { fixed } from "../shell/number";
 
 /** The properties of a film that a scale changes. */
 type Film = Pick<Api<"FilmSummary">, "row_mm"> & {
-  image: Pick<Api<"ReadingImage">, "rows" | "pixel_aspect">;
+  image: Pick<Api<"FilmImage">, "rows" | "pixel_aspect">;
 };
 
 /** Mean width of the bodies with four corners, between the middles of their walls; null without any. */

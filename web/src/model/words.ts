@@ -5,7 +5,7 @@ type Identified = Api<"Identified">;
 
 /** The word of a verdict, and the class of its colour. */
 const IDENTIFIED: Record<Identified, [string, string]> = {
-  identified: ["Identified", "good"],
+  absolute: ["Fitted", "good"],
   ratio_only: ["Ratio only", "note"],
   bound: ["At a bound", "warning"],
   contradicted: ["Contradicted", "contradiction"],

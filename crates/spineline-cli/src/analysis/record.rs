@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use indexmap::IndexMap;
+use spineline::cohort::KnownPatients;
 use spineline_files::{
     FilmOrigin, InputFile, ProgramRun, Provenance, Request, StoredRotationPrior,
 };
@@ -11,8 +12,7 @@ use spineline_report::document::{Notice, NoticeKind};
 use crate::options::method::MethodArgs;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::run::failure::Failure;
-use crate::run::inputs::{CaseInput, read_input};
-use crate::run::known_patients::KnownPatients;
+use crate::run::inputs::{CaseInput, count_once, read_input};
 use crate::run::provenance::this_run;
 
 /// The request of this run, and the files that it has read for all cases.
@@ -98,7 +98,7 @@ impl ReadCases {
             let known = prior.check_case(&source.input.sha256, id);
             known.map_err(|error| Failure::file(Path::new(name), &error))?;
         }
-        self.known.add(name, &source.case)?;
+        count_once(&mut self.known, name, &source.case)?;
         let other = |asked: &Request| asked.options != record.request.options;
         let case = ReadCase {
             input: source.input.clone(),

@@ -11,7 +11,7 @@ use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline_files::{
     CaseFile, ExportFormat, FileError, FilmOrigin, InputFile, Provenance, ProvenanceFile, export,
-    parse_case_file, read_text, to_text,
+    is_picture_name, parse_case_file, read_text, to_text,
 };
 use spineline_landmarks::{
     ExportedFile, LandmarkTarget, SourceImage, export_landmarks, export_lateral, openable_pictures,
@@ -20,7 +20,6 @@ use spineline_landmarks::{
 
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
-use crate::run::film_decoder::is_beside;
 use crate::run::inputs::{read_input, read_model};
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout};
@@ -238,7 +237,7 @@ fn read_sources(
     for film in case.films.iter().filter(|film| args.posture.is_none_or(|p| p == film.posture)) {
         if let Some(name) = file.source(film.posture).and_then(|source| source.file) {
             // A case may only name pictures in its own folder.
-            if !is_beside(&name) {
+            if !is_picture_name(&name) {
                 let error =
                     format!("{} film: its `file` is outside the folder of the case", film.posture);
                 let help = "put the picture beside the case file";

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use spineline::analysis::AnalysisOptions;
-use spineline::cohort::{CohortPatient, learn_rotation_prior};
+use spineline::cohort::{CohortPatient, KnownPatients, learn_rotation_prior};
 use spineline::measure::TiltRule;
 use spineline_files::{FilmOrigin, InputFile, Provenance, RotationPriorFile};
 use spineline_report::rotation_prior;
@@ -13,8 +13,7 @@ use crate::analysis::case::analyze_input;
 use crate::options::choice::choice;
 use crate::options::values::threads;
 use crate::run::failure::{Ending, Failure};
-use crate::run::inputs::{CaseInput, case_files};
-use crate::run::known_patients::KnownPatients;
+use crate::run::inputs::{CaseInput, case_files, count_once};
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print_document};
 use crate::run::provenance::{generator, this_run};
@@ -115,7 +114,7 @@ fn checked(
     source: CaseInput,
 ) -> Result<(CohortPatient, InputFile), Failure> {
     let name = &source.input.name;
-    known.add(name, &source.case)?;
+    count_once(known, name, &source.case)?;
     if patient.has_doubted_film() {
         let text = format!(
             "the case {} has a film that may not show what it is named after, so nothing is learned from it",

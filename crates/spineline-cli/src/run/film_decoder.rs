@@ -1,6 +1,6 @@
 //! Radiographs are decoded in a child process with limits, because a hostile file may attack the decoder.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use spineline_films::intake::{IntakeError, IntakeLimits, Place, read};
 use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child};
@@ -28,9 +28,4 @@ impl Decoder {
 /// The content of a film's file.
 pub fn film_bytes(path: &Path) -> Result<Vec<u8>, IntakeError> {
     read(&Place::File(path.to_owned()), &IntakeLimits::default())
-}
-
-/// Whether a name stays in its folder: a case may only name pictures beside it.
-pub fn is_beside(name: impl AsRef<Path>) -> bool {
-    name.as_ref().components().all(|part| matches!(part, Component::Normal(_)))
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use spineline::analysis::Case;
+use spineline::cohort::{KnownPatients, PatientMarks};
 use spineline_files::{
     CaseFile, FileError, InputFile, Request, StoredModel, parse_model, read_text,
 };
@@ -16,6 +17,15 @@ use super::provenance::shown_name;
 
 /// The format of analyses, which contain their cases.
 const ANALYSIS: &str = "spineline-analysis";
+
+/// Adds a case to the patients so far.
+///
+/// # Errors
+/// If its patient would count twice.
+pub fn count_once(known: &mut KnownPatients, place: &str, case: &Case) -> Result<(), Failure> {
+    let added = known.add(PatientMarks::of(case));
+    added.map_err(|error| Failure::input(place, &error, error.help()))
+}
 
 /// The case files that the given paths name, in order; a folder stands for the cases among the `.json` files in it.
 ///

@@ -4,7 +4,6 @@ pub mod failure;
 pub mod film_decoder;
 pub mod inputs;
 pub mod interrupt;
-pub mod known_patients;
 pub mod messages;
 pub mod outputs;
 #[cfg_attr(not(feature = "pdf"), path = "without_pdf.rs")]

@@ -168,7 +168,7 @@ fn identifiability_is_reported_on_request_with_and_without_a_prior() {
         assert!(plain.contains(word), "{word} is missing in\n{plain}");
     }
     let asked = with(&["--identifiability"]);
-    for word in ["Identifiability of the multipliers", "identified as a ratio", "Least known"] {
+    for word in ["Identifiability of the multipliers", "the films identify", "Least known"] {
         assert!(asked.contains(word), "{word} is missing in\n{asked}");
     }
     let prior = ["--identifiability", "--multipliers", "per-joint", "--prior", "in-vivo"];
@@ -319,7 +319,20 @@ fn a_given_line_and_given_inflections_are_used() {
     assert!(error.contains("chosen by hand"), "{error}");
     let line = &json["models"]["given_line"]["postures"]["left_bending"]["line"];
     assert!((line["direction"][0].as_f64().expect("y") - 1.0).abs() < 1e-12, "{line}");
-    assert_eq!(json["inflections"][0]["between"][1], "T12");
+    let [disc, vertebra] = [&json["inflections"][0], &json["inflections"][1]];
+    assert!(disc["between"][1] == "T12" && disc["vertebra"].is_null(), "{disc}");
+    assert_eq!(vertebra["vertebra"], "T6");
+    let by_hand = ["analyze", "cases", "--inflections", "L1/T12,T6"];
+    let shown = run(here.path(), &by_hand).0;
+    assert!(words(&shown).contains("Inflections: L1/T12 and T6."), "{shown}");
+    done(here.path(), &[&by_hand[..], &["--tables", "tables"]].concat());
+    let patients = fs::read_to_string(here.path().join("tables/patients.csv")).expect("a table");
+    let rows: Vec<Vec<&str>> = patients.lines().map(|row| row.split(',').collect()).collect();
+    for (column, place) in [("caudal", "L1/T12"), ("cranial", "T6")] {
+        let name = format!("inflection_{column}_between");
+        let at = rows[0].iter().position(|found| *found == name).expect("a column");
+        assert_eq!(rows[1][at], place);
+    }
 }
 
 #[test]

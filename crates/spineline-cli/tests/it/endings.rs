@@ -37,14 +37,15 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
 }
 
 #[test]
-fn a_known_force_is_positive_and_belongs_to_a_film_with_a_force() {
+fn a_known_force_is_in_its_range_and_belongs_to_a_film_with_a_force() {
     let here = with_phantom(&[]);
     let case = "cases/phantom-rod-01.json";
     let with = |gauge: &str| run(here.path(), &["analyze", case, "--gauge", gauge]);
     for (gauge, words) in [
         ("known-force:erect=120", "the erect film has no force"),
-        ("known-force:traction=-120", "greater than 0 N"),
-        ("known-force:traction=0", "greater than 0 N"),
+        ("known-force:traction=-120", "-120 N, and must be from 1 to 2000 N"),
+        ("known-force:traction=0", "0 N, and must be from 1 to 2000 N"),
+        ("known-force:traction=1e12", "1000000000000 N, and must be from 1 to 2000 N"),
     ] {
         let (_, error, code) = with(gauge);
         assert!(code == 2 && error.contains(words), "{gauge}: {code} {error}");

@@ -255,6 +255,7 @@ fn lateral_views_are_recognised_and_offered_for_the_profile() {
     put(&here, "b.dcm", &lateral);
     let (out, _, _) = here.import(&[".", "--list"]);
     assert!(out.contains("lateral"), "{out}");
+    assert!(out.lines().all(|line| line.chars().count() <= 100), "{out}");
     // Not as a frontal film, unless someone insists.
     let error = here.refused(&one_film(".", "erect=2"), 2);
     assert!(error.contains("lateral view"), "{error}");

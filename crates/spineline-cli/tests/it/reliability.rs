@@ -173,7 +173,7 @@ fn resampled(lines: &Lines) -> BTreeMap<(&'static str, String, String, u32), f64
         let step = (top - bottom) / 16.0;
         for i in 1..16 {
             let height = bottom + f64::from(i) * step;
-            let subject = format!("{patient}/{i:02}");
+            let subject = format!("{patient}-{i:02}");
             // A chord as high as a vertebra and its discs; leaning to the patient's right is positive.
             let rise = place(line, height + 0.5 * step) - place(line, height - 0.5 * step);
             let tilt_deg = -rise.atan2(step).to_degrees();

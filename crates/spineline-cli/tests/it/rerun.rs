@@ -190,12 +190,20 @@ fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
     assert!(code == 3 && error.contains("was given already"), "{error}");
     // A patient counts once under any identifier.
     let text = fs::read_to_string(here.path().join(CASE)).expect("a case");
-    for (id, words) in [("other", "has the films of"), ("PHANTOM-rod-01", "given already as")] {
+    for (id, words) in [("other", "has the landmarks of"), ("PHANTOM-rod-01", "given already as")] {
         let renamed = text.replace("\"phantom-rod-01\"", &format!("\"{id}\""));
         fs::write(here.path().join("renamed.json"), renamed).expect("a place");
         let (_, error, code) = analyse(&["renamed.json", CASE]);
         assert!(code == 3 && error.contains(words), "{error}");
     }
+    // Also without one of its films.
+    let mut fewer: Value = serde_json::from_str(&text).expect("JSON");
+    fewer["case_id"] = "fewer".into();
+    assert_ne!(fewer["films"].as_array_mut().expect("films").pop(), None);
+    fs::write(here.path().join("fewer.json"), fewer.to_string()).expect("a place");
+    let (_, error, code) = analyse(&["fewer.json", CASE]);
+    let words = "has the landmarks of a film of the case fewer";
+    assert!(code == 3 && error.contains(words), "{error}");
     assert_eq!(run(here.path(), &["check", "a.json"]).2, 0);
 }
 

@@ -241,6 +241,29 @@ fn weight_and_a_pad_come_from_a_file() {
 }
 
 #[test]
+fn a_model_that_its_films_reject_says_so_wherever_it_is_used() {
+    // Oracle: the phantom's line is the inflection line, and the test of `analyze` rejects the iliac one.
+    let here = folder();
+    fs::remove_file(here.path().join("model.json")).expect("removed");
+    let make = ["analyze", "phantom-rod-01.json", "--model", "model.json", "--model-line", "iliac"];
+    done(here.path(), &make);
+    let doubt = "the bends reject a single force along the iliac line";
+    let (json, _) = simulate(here.path(), &["--push", "left", "--force", "1"]);
+    let warnings = json["warnings"].as_array().expect("a list");
+    let doubted: Vec<&Value> = warnings.iter().filter(|w| w["code"] == "model_doubted").collect();
+    assert!(doubted[0]["message"].as_str().is_some_and(|text| text.contains(doubt)), "{json}");
+    // Two multipliers of three are at their bounds, and these fix the third.
+    let says = |words: &str| {
+        doubted.iter().any(|w| w["message"].as_str().is_some_and(|text| text.contains(words)))
+    };
+    assert!(doubted.len() == 4 && says("all others reached their limits"), "{doubted:?}");
+    for format in ["osim", "mjcf", "urdf"] {
+        let exported = done(here.path(), &["export", "model.json", "--to", format]);
+        assert!(exported.contains(&format!("DOUBT: {doubt}")), "{format}: {exported}");
+    }
+}
+
+#[test]
 fn a_whole_body_weight_that_folds_the_spine_has_no_result() {
     let here = folder();
     let load =
@@ -250,6 +273,7 @@ fn a_whole_body_weight_that_folds_the_spine_has_no_result() {
     let (text, _, code) = run(here.path(), &line);
     assert_eq!(code, 4, "{text}");
     assert!(text.contains("BEYOND HUMAN RANGE · NO RESULT"), "{text}");
+    assert!(text.contains("a body with the weight 700 relative units"), "{text}");
     assert!(!text.contains("Cobb"), "no angle of a folded spine: {text}");
     let json: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(here.path().join("w.json")).expect("written"))
@@ -287,6 +311,31 @@ fn a_missing_result_ends_with_4_and_is_labelled_everywhere() {
     assert!(read("s.json").contains("\"status\": \"beyond_human_range\""));
     let line = ["--push", "left", "--amplitude", "80", "--towards", "left"];
     assert_eq!(simulate(here.path(), &line).1, 4);
+}
+
+#[test]
+fn a_model_of_the_standing_patient_says_what_its_springs_carry_already() {
+    let here = folder();
+    let reference = ["--reference", "loaded:50", "--model", "model.json", "--overwrite"];
+    done(here.path(), &[&["analyze", "phantom-rod-01.json"], &reference[..]].concat());
+    let (_, error, code) =
+        run(here.path(), &["simulate", "model.json", "--posture", "left_bending"]);
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("no loads of films: it was made with `--reference loaded`"), "{error}");
+    let load =
+        r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight":5}]}"#;
+    fs::write(here.path().join("weight.json"), load).expect("a file");
+    let (json, _) = simulate(here.path(), &["--load", "weight.json"]);
+    let warnings = json["warnings"].as_array().expect("a list").iter();
+    let mut on_top = warnings.filter(|warning| warning["code"] == "weight_on_top");
+    let message = on_top.next().expect("warned")["message"].to_string();
+    assert!(
+        message.contains("already counts the weight of the trunk of a body of 50 kg"),
+        "{message}"
+    );
+    let exported = done(here.path(), &["export", "model.json", "--to", "mjcf"]);
+    let erect = "erect posture, in balance with the weight of the trunk of a body of 50 kg";
+    assert!(exported.contains(erect), "{exported}");
 }
 
 #[test]

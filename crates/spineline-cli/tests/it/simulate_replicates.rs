@@ -98,7 +98,7 @@ fn an_amplitude_gives_the_interval_of_its_factor() {
     let here = folder();
     let line =
         ["simulate", "model.json", "--push", "left", "--amplitude", "8", "--towards", "left"];
-    let more = ["--case", CASE, "--replicates", "6", "--json", "s.json"];
+    let more = ["--case", CASE, "--replicates", "60", "--json", "s.json"];
     let text = done(here.path(), &[&line[..], &more].concat());
     let found = json(&here.path().join("s.json"));
     let factor = number(&found, "factor", None, "loaded");
@@ -145,7 +145,8 @@ fn a_plan_that_some_replicates_do_not_bear_counts_them() {
     let counts = json(&here.path().join("s.json"))["uncertainty"].clone();
     let usable = counts["usable"].as_u64().expect("a count");
     assert!((1..24).contains(&usable), "{counts}");
-    assert!(text.contains(&format!("with a result, {usable} of 24 (seed 1)")), "{text}");
+    let counted = format!("with a result, {usable} of 24 (seed 1); a 95 % interval needs 40");
+    assert!(text.contains(&counted), "{text}");
     for (code, count) in counts["endings"].as_object().expect("codes") {
         assert!(text.contains(&format!("`{code}` in {count} of 24")), "{text}");
     }

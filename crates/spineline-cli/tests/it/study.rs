@@ -62,6 +62,25 @@ fn a_store_verification_reports_edits() {
 }
 
 #[test]
+fn texts_about_a_store_fit_a_terminal_and_a_store_is_not_a_case() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    store(here.path());
+    for command in ["list", "verify"] {
+        let out = done(here.path(), &["study", command, "s.db"]);
+        assert!(out.lines().all(|line| line.chars().count() <= 100), "{out}");
+    }
+    // Programs get the hash of a film as a whole.
+    let log = done(here.path(), &["study", "log", "s.db"]);
+    let erect = format!("content/{}", spineline_files::sha256_hex(b"erect"));
+    assert!(log.split_whitespace().any(|word| word == erect), "{log}");
+    let error = refused(here.path(), &["analyze", "s.db"], 3);
+    assert!(
+        error.contains("a study store") && error.contains("`spineline study export"),
+        "{error}"
+    );
+}
+
+#[test]
 fn an_observer_sees_only_a_code() {
     let here = tempfile::tempdir().expect("a temporary folder");
     store(here.path());

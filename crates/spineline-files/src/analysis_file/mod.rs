@@ -109,6 +109,9 @@ struct InflectionRecord {
     segment: usize,
     /// Vertebrae between which it lies, caudal first.
     between: [Level; 2],
+    /// The vertebra at whose midpoint it was put by hand; absent for other inflections.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vertebra: Option<Level>,
     /// Absent where the erect film has no spacing.
     erect_mm: Option<[f64; 2]>,
     /// In pixels, where it has none.
@@ -332,6 +335,7 @@ fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
         .map(|((inflection, &segment), interval)| InflectionRecord {
             segment,
             between: [inflection.between.0, inflection.between.1],
+            vertebra: inflection.vertebra,
             erect_mm: point_mm(scale, inflection.erect),
             erect_px: point_px(scale, inflection.erect),
             interval_95_along_mm: interval.and_then(|found| {

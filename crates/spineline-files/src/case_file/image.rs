@@ -1,5 +1,7 @@
 //! The picture of a film: size, spacing, sides and file.
 
+use std::path::{Component, Path};
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use spineline::anatomy::{FilmView, ImageSide, Posture};
@@ -35,10 +37,10 @@ pub(super) struct ImageRecord {
     spacing_relative_sd: Option<f64>,
     /// Side of the picture on which the patient's left is.
     patient_left: ImageSide,
-    /// Picture file, beside the case file.
+    /// Name of the picture file, beside the case file, without a folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
-    /// SHA-256 of that file, in hexadecimal digits.
+    /// SHA-256 of that file, in 64 hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sha256: Option<String>,
     /// Whether the picture is shown with grey levels inverted relative to its file.
@@ -64,10 +66,10 @@ pub(super) struct LateralImageRecord {
     pixel_aspect: Option<f64>,
     /// Side of the picture on which the patient's front is.
     patient_anterior: ImageSide,
-    /// Picture file, beside the case file.
+    /// Name of the picture file, beside the case file, without a folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
-    /// SHA-256 of that file, in hexadecimal digits.
+    /// SHA-256 of that file, in 64 hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sha256: Option<String>,
     /// Whether the picture is shown with grey levels inverted relative to its file.
@@ -84,10 +86,41 @@ const fn unknown_plane() -> SpacingPlane {
 pub struct FilmSource {
     /// Its name, beside the case file.
     pub file: Option<String>,
-    /// SHA-256 of its bytes, in hexadecimal digits.
+    /// SHA-256 of its bytes, in lower-case hexadecimal digits.
     pub sha256: Option<String>,
     /// Whether it is shown with grey levels inverted relative to its file.
     pub inverted: bool,
+}
+
+/// Whether a text is the name of a file on every system, without folder and drive: a case names only pictures beside it.
+#[must_use]
+pub fn is_picture_name(text: &str) -> bool {
+    let mut parts = Path::new(text).components();
+    let is_one = matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None));
+    is_one && !text.contains(['/', '\\', ':'])
+}
+
+impl FilmSource {
+    /// As a case states it; the digits of the SHA-256 may be capitals there.
+    fn stated(file: Option<&String>, sha256: Option<&String>, inverted: bool) -> Self {
+        let sha256 = sha256.map(|text| text.to_ascii_lowercase());
+        Self { file: file.cloned(), sha256, inverted }
+    }
+
+    /// Refuses a file in a folder, and a SHA-256 that is none.
+    pub(super) fn check(&self, film: &str) -> Result<(), FileError> {
+        if let Some(file) = self.file.as_deref().filter(|file| !is_picture_name(file)) {
+            let last = file.rsplit(['/', '\\', ':']).next().filter(|name| is_picture_name(name));
+            let (film, name) = (film.to_owned(), last.map(str::to_owned));
+            return Err(FileError::PictureFolder { film, name });
+        }
+        let is_hash =
+            |text: &String| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+        match self.sha256.clone().filter(|text| !is_hash(text)) {
+            Some(found) => Err(FileError::PictureHash { film: film.to_owned(), found }),
+            None => Ok(()),
+        }
+    }
 }
 
 /// The geometry of the picture of a case's film, from the film's `image`.
@@ -153,7 +186,7 @@ fn lateral_record(image: &Value) -> Result<LateralImageRecord, FileError> {
 
 impl ImageRecord {
     pub fn source(&self) -> FilmSource {
-        FilmSource { file: self.file.clone(), sha256: self.sha256.clone(), inverted: self.inverted }
+        FilmSource::stated(self.file.as_ref(), self.sha256.as_ref(), self.inverted)
     }
 
     pub fn set_source(&mut self, source: FilmSource) {
@@ -257,7 +290,7 @@ impl LateralImageRecord {
     }
 
     pub fn source(&self) -> FilmSource {
-        FilmSource { file: self.file.clone(), sha256: self.sha256.clone(), inverted: self.inverted }
+        FilmSource::stated(self.file.as_ref(), self.sha256.as_ref(), self.inverted)
     }
 }
 

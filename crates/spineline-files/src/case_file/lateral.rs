@@ -28,6 +28,7 @@ pub(super) struct LateralRecord {
 struct LateralReadingRecord {
     observer: String,
     /// Number of the repeat, from 1.
+    #[cfg_attr(test, schemars(range(min = 1)))]
     repeat: u32,
     vertebrae: ByLevel<LateralVertebraRecord>,
 }

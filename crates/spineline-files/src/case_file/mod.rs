@@ -2,22 +2,23 @@
 
 mod image;
 mod lateral;
+mod vertebra;
 
 use serde::{Deserialize, Serialize};
-use spineline::analysis::{Case, Sex, Subject, is_case_id};
+use spineline::analysis::{Case, Sex, Subject, is_case_id, is_lenke_class};
 use spineline::anatomy::Posture;
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, IliacCrests, Origin, Placement, PlacementSource, Reading,
-    ReadingId, SpacingPlane, VertebraLandmarks,
+    Film, FilmLandmarks, IliacCrests, PlacementSource, Reading, ReadingId, SpacingPlane,
 };
-use spineline::spatial::{Angle, Frontal};
 
 use crate::FileError;
 use crate::json::parse;
 use crate::keys::ByLevel;
-pub use image::{FilmSource, image_value, parse_image, with_geometry};
+pub use image::{FilmSource, image_value, is_picture_name, parse_image, with_geometry};
 use image::{ImageRecord, pair, pixel};
 use lateral::LateralRecord;
+pub use vertebra::written_axis_deg;
+use vertebra::{Kind, VertebraRecord};
 
 const FORMAT: &str = "spineline-case";
 const VERSION: u32 = 1;
@@ -128,55 +129,9 @@ struct CrestsRecord {
 struct ReadingRecord {
     observer: String,
     /// Number of the repeat, from 1.
+    #[cfg_attr(test, schemars(range(min = 1)))]
     repeat: u32,
     vertebrae: ByLevel<VertebraRecord>,
-}
-
-/// Either four corners in pixels, `[column, row]`, named by the patient's sides, or a location and a tilt.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct VertebraRecord {
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    superior_left: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    superior_right: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    inferior_left: Option<[f64; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    inferior_right: Option<[f64; 2]>,
-    /// Axis set by hand: angle to the image's vertical, positive clockwise as seen with square pixels, that is in millimetres and not
-    /// in columns and rows.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    axis_deg: Option<f64>,
-    /// Confidences of the corners from 0 to 1, where a program found them: superior left, superior right, inferior left,
-    /// inferior right.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    confidence: Option<[f64; 4]>,
-    /// How each corner came about: superior left, superior right, inferior left, inferior right. Absent where all were clicked.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    origins: Option<[Origin; 4]>,
-    /// Midpoint of the wall on the patient's left, where the vertebra was marked by its walls.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    left_wall: Option<[f64; 2]>,
-    /// Midpoint of the wall on the patient's right.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    right_wall: Option<[f64; 2]>,
-    /// Centre of the pedicle on the patient's left, as the film shows it; with the right one it gives the axial rotation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    left_pedicle: Option<[f64; 2]>,
-    /// Centre of the pedicle on the patient's right.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    right_pedicle: Option<[f64; 2]>,
-    /// Standard deviation of a corner's coordinate as a part of the height of the body, where a program found the corners.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    sd_share: Option<f64>,
-    /// Midpoint in any frontal frame of the film: `[y to the patient's left, z cranial]`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    location_mm: Option<[f64; 2]>,
-    /// Tilt in that frame, positive to the patient's right.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    tilt_deg: Option<f64>,
 }
 
 /// Reads a case from the text of its file.
@@ -238,7 +193,8 @@ impl CaseFile {
     /// The case that this file holds.
     ///
     /// # Errors
-    /// [`FileError::CaseId`], [`FileError::Vertebra`], [`FileError::MixedKinds`], [`FileError::NoImage`].
+    /// [`FileError::CaseId`], [`FileError::Lenke`], [`FileError::PictureFolder`], [`FileError::PictureHash`],
+    /// [`FileError::PictureTwice`], [`FileError::Vertebra`], [`FileError::MixedKinds`], [`FileError::NoImage`].
     pub fn into_case(self) -> Result<Case, FileError> {
         if !is_case_id(&self.case_id) {
             return Err(FileError::CaseId { found: self.case_id });
@@ -249,12 +205,15 @@ impl CaseFile {
             age_years: subject.age_years,
             lenke: subject.lenke,
         });
+        if let Some(found) = subject.lenke.clone().filter(|class| !is_lenke_class(class)) {
+            return Err(FileError::Lenke { found });
+        }
         let films = self.films.into_iter().map(FilmRecord::into_film).collect::<Result<_, _>>()?;
         let lateral = self.lateral.map(LateralRecord::film).transpose()?;
         Ok(Case { id: self.case_id, synthetic: self.synthetic, subject, films, lateral })
     }
 
-    /// Refuses a picture that is named for two films.
+    /// Refuses a picture that is not beside the case, or is named for two films.
     fn check_pictures(&self) -> Result<(), FileError> {
         let frontal = self
             .films
@@ -263,6 +222,7 @@ impl CaseFile {
         let lateral = self.lateral_source().map(|source| ("lateral".to_owned(), source));
         let mut known: Vec<(String, FilmSource)> = Vec::new();
         for (b, source) in frontal.chain(lateral) {
+            source.check(&b)?;
             for (a, other) in &known {
                 let same = |x: &Option<String>, y: &Option<String>| {
                     x.clone().filter(|x| y.as_ref() == Some(x))
@@ -307,16 +267,13 @@ impl FilmRecord {
             let mut landmarks = Reading { id: id.clone(), vertebrae: Default::default() };
             let mut placements = Reading { id, vertebrae: Default::default() };
             for (level, record) in reading.vertebrae.0 {
-                match record.kind() {
-                    Some(Kind::Marked(landmark)) => {
+                let place = || format!("{posture} film, observer {}, {level}", landmarks.id);
+                match record.check(place)? {
+                    Kind::Marked(landmark) => {
                         landmarks.vertebrae.insert(level, landmark);
                     }
-                    Some(Kind::Measured(placement)) => {
+                    Kind::Measured(placement) => {
                         placements.vertebrae.insert(level, placement);
-                    }
-                    None => {
-                        let place = format!("{posture} film, observer {}, {level}", landmarks.id);
-                        return Err(FileError::Vertebra { place });
                     }
                 }
             }
@@ -333,6 +290,9 @@ impl FilmRecord {
             let source = self.placement_source;
             let implied = LengthsRecord::implied(self.image.as_ref(), source);
             let lengths = self.lengths.unwrap_or(implied);
+            if lengths.plane == SpacingPlane::Pixels {
+                return Err(FileError::LengthsOfPixels { posture });
+            }
             let landmarks = FilmLandmarks::Placements {
                 spacing_plane: lengths.plane,
                 scale_relative_sd: lengths.relative_sd,
@@ -402,85 +362,4 @@ fn record<T>(reading: &Reading<T>, vertebra: impl Fn(&T) -> VertebraRecord) -> R
         repeat: reading.id.repeat,
         vertebrae: ByLevel(vertebrae),
     }
-}
-
-enum Kind {
-    Marked(VertebraLandmarks),
-    Measured(Placement),
-}
-
-impl VertebraRecord {
-    fn kind(&self) -> Option<Kind> {
-        let corners =
-            [self.superior_left, self.superior_right, self.inferior_left, self.inferior_right];
-        let placed = (self.location_mm, self.tilt_deg);
-        match (corners, placed) {
-            ([Some(sl), Some(sr), Some(il), Some(ir)], (None, None)) => {
-                let corners = Corners::from([sl, sr, il, ir].map(pixel));
-                Some(Kind::Marked(VertebraLandmarks {
-                    origins: self.origins.map_or_else(Corners::default, Corners::from),
-                    walls: [self.left_wall, self.right_wall].map(|wall| wall.map(pixel)),
-                    pedicles: [self.left_pedicle, self.right_pedicle]
-                        .map(|pedicle| pedicle.map(pixel)),
-                    axis_clockwise: self.axis_deg.map(Angle::from_deg),
-                    confidence: self.confidence.map(Corners::from),
-                    sd_share: self.sd_share,
-                    ..VertebraLandmarks::clicked(corners)
-                }))
-            }
-            ([None, None, None, None], (Some([y, z]), Some(tilt))) if !self.has_marks() => {
-                let location = Frontal::new(y, z);
-                Some(Kind::Measured(Placement::new(location, Angle::from_deg(tilt))))
-            }
-            _ => None,
-        }
-    }
-
-    /// Whether it holds something that only a vertebra with corners has.
-    fn has_marks(&self) -> bool {
-        self.axis_deg.is_some()
-            || self.confidence.is_some()
-            || self.origins.is_some()
-            || self.left_wall.is_some()
-            || self.right_wall.is_some()
-            || self.left_pedicle.is_some()
-            || self.right_pedicle.is_some()
-            || self.sd_share.is_some()
-    }
-
-    fn marked(landmark: &VertebraLandmarks) -> Self {
-        let [left_wall, right_wall] = landmark.walls.map(|wall| wall.map(pair));
-        let [left_pedicle, right_pedicle] = landmark.pedicles.map(|pedicle| pedicle.map(pair));
-        let is_clicked = landmark.origins == Corners::all(Origin::Clicked);
-        Self {
-            origins: (!is_clicked).then(|| landmark.origins.points()),
-            left_wall,
-            right_wall,
-            left_pedicle,
-            right_pedicle,
-            sd_share: landmark.sd_share,
-            superior_left: Some(pair(landmark.corners.superior_left)),
-            superior_right: Some(pair(landmark.corners.superior_right)),
-            inferior_left: Some(pair(landmark.corners.inferior_left)),
-            inferior_right: Some(pair(landmark.corners.inferior_right)),
-            axis_deg: landmark.axis_clockwise.map(written_axis_deg),
-            confidence: landmark.confidence.map(|corners| corners.points()),
-            ..Self::default()
-        }
-    }
-
-    fn measured(placement: &Placement) -> Self {
-        Self {
-            location_mm: Some([placement.location.y_mm, placement.location.z_mm]),
-            tilt_deg: Some(placement.tilt.deg()),
-            ..Self::default()
-        }
-    }
-}
-
-/// A hand-set axis in degrees as files have it: axes come in steps of 0.1°, and nine digits keep them and drop the
-/// rounding of radians.
-#[must_use]
-pub fn written_axis_deg(axis: Angle) -> f64 {
-    (axis.deg() * 1e9).round() / 1e9
 }

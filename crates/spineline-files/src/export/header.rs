@@ -36,7 +36,7 @@ pub(super) fn about_bodies(
 ) -> Vec<String> {
     let mut lines = opening(model, &format!("Vertebral bodies of a spine as {format}"), generator);
     lines.push(format!("Frame: {frame}"));
-    lines.push("Bodies: boxes at the midpoints and in the axes of the vertebrae of the personalised model, erect, unloaded. The origin is the midpoint of the lowest vertebra.".to_owned());
+    lines.push(format!("Bodies: boxes at the midpoints and in the axes of the vertebrae of the personalised model, erect, {}. The origin is the midpoint of the lowest vertebra.", carried(model)));
     lines.push("Angles: lateral tilt about the anterior axis of the patient (positive to the patient's right), then pitch about the left axis (flexion positive), then axial rotation about the cranial one (positive where the front turns to the patient's left).".to_owned());
     lines.extend(sources(model));
     lines.push("NOMINAL, not measured: the depths and heights of the boxes, which are typical ones, scaled to the distances between vertebrae.".to_owned());
@@ -56,6 +56,14 @@ fn opening(model: &PersonalisedModel, title: &str, generator: &str) -> Vec<Strin
     lines
 }
 
+/// What the springs carry in the erect shape.
+fn carried(model: &PersonalisedModel) -> String {
+    match model.carried_body_mass_kg {
+        None => "unloaded".to_owned(),
+        Some(kg) => format!("in balance with the weight of the trunk of a body of {kg} kg"),
+    }
+}
+
 /// The case and the place of the hash. XML allows no two hyphens in a row in a comment, so the second one is written as its code.
 pub(super) fn mark(model: &PersonalisedModel) -> String {
     let mark = ContentMark { case_ids: [&model.case_id], content_sha256: ContentHash };
@@ -73,10 +81,10 @@ pub(super) fn header(
     let mut lines = opening(model, &title, generator);
     lines.push(format!("Frame: {}", dialect.frame));
     lines.push(units(model.absolute).to_owned());
-    lines.push(
-        "Bodies: vertebrae in the erect posture, unloaded; a body's origin is the vertebra's midpoint. The lowest is fixed."
-            .to_owned(),
-    );
+    lines.push(format!(
+        "Bodies: vertebrae in the erect posture, {}; a body's origin is the vertebra's midpoint. The lowest is fixed.",
+        carried(model)
+    ));
     lines.extend(sources(model));
     lines.push(
         "Joints: three hinges in series (lateral, flexion, axial) about the inferior vertebra's anterior, left and cranial axes, each with a linear spring that rests at zero."
@@ -85,6 +93,7 @@ pub(super) fn header(
     lines.push(dialect.notes.to_owned());
     lines.push(support(model.support).to_owned());
     lines.push(format!("Stiffness: fitted with the line of action `{}`.", model.line.key()));
+    lines.extend(model.doubts.iter().map(|doubt| format!("DOUBT: {doubt}.")));
     lines.push(format!(
         "NOMINAL, not measured, without influence on an equilibrium: {}; and all shapes but the widths named above. Gravity is off.",
         (dialect.nominal)(),

@@ -4,9 +4,9 @@ use spineline::spatial::{moment_words, vector_words};
 use super::AppliedLoad;
 
 impl AppliedLoad {
-    /// As text.
+    /// As text, with the unit of the model's forces where a force stands alone.
     #[must_use]
-    pub fn words(&self) -> String {
+    pub fn words(&self, force_unit: &str) -> String {
         let words = match self {
             AppliedLoad::ForceOnLine { level, force_n, .. } => {
                 format!(
@@ -32,7 +32,9 @@ impl AppliedLoad {
                 moment_words(*moment_in_vertebra_nmm)
             ),
             AppliedLoad::Gravity { body_weight_n, .. } => {
-                format!("weight of trunk, head and arms of a body of {body_weight_n}")
+                format!(
+                    "weight of trunk, head and arms of a body with the weight {body_weight_n} {force_unit}"
+                )
             }
             AppliedLoad::Pad { level, direction, n_per_mm, advance_mm, .. } => format!(
                 "pad on {}, advanced (mm) {}, with {n_per_mm} per mm",

@@ -389,6 +389,15 @@ mod tests {
             let sites = inflection_sites(text).expect("two sites");
             assert_eq!(sites.map(site_text).join(","), text);
         }
+        for (text, words) in [
+            ("L1/T3,T2", "L1 and T3 have no disc between them: give two neighbours"),
+            ("T6,L1", "the caudal site comes first"),
+            ("T6,T6", "the two sites differ"),
+            ("L1/T12,L1", "the caudal site comes first"),
+        ] {
+            let error = inflection_sites(text).expect_err(text);
+            assert!(error.contains(words), "{error}");
+        }
     }
 
     #[test]

@@ -121,11 +121,11 @@ pub(super) fn gauge(text: &str) -> Result<Gauge, String> {
         .and_then(|rest| rest.split_once('='))
         .ok_or_else(|| expected.to_owned())?;
     let force_n = number(force)?;
-    if force_n <= 0.0 {
-        return Err(
-            "a known force must be greater than 0 N: it is a magnitude, and its direction is found"
-                .to_owned(),
-        );
+    let [least, most] = Gauge::FORCES_N;
+    if !(least..=most).contains(&force_n) {
+        return Err(format!(
+            "the known force is {force_n} N, and must be from {least} to {most} N: it is a magnitude, and its direction is found"
+        ));
     }
     let posture = posture(name)?;
     if posture == Posture::Erect {
@@ -203,20 +203,27 @@ fn model_level(name: &str) -> Result<Level, String> {
     of_model.ok_or_else(|| format!("{level} is not between L4 and T2"))
 }
 
-/// Two sites, caudal first, each a vertebra or a disc, such as `L1/T12,T6`.
+/// Two sites, caudal first, each a disc or the midpoint of a vertebra, such as `L1/T12,T6`.
 pub(super) fn inflection_sites(text: &str) -> Result<[Site; 2], String> {
     let site = |text: &str| -> Result<Site, String> {
         let (a, b) = text.split_once('/').unwrap_or((text, text));
         let (a, b) = (model_level(a)?, model_level(b)?);
-        Ok(Site { inferior: a.min(b), superior: a.max(b) })
+        let (inferior, superior) = (a.min(b), a.max(b));
+        if a != b && inferior.next_above() != Some(superior) {
+            return Err(format!(
+                "{a} and {b} have no disc between them: give two neighbours, such as L1/T12, or one vertebra"
+            ));
+        }
+        Ok(Site { inferior, superior })
     };
     let (caudal, cranial) =
         text.split_once(',').ok_or_else(|| "expected two sites, such as L1/T12,T6".to_owned())?;
     let sites = [site(caudal)?, site(cranial)?];
-    if sites[0].inferior > sites[1].inferior {
-        Err("the caudal site comes first".to_owned())
-    } else {
+    let [below, above] = sites.map(|site| (site.inferior, site.superior));
+    if below < above {
         Ok(sites)
+    } else {
+        Err("the caudal site comes first, and the two sites differ".to_owned())
     }
 }
 

@@ -346,7 +346,7 @@ pub const OPTIONS: [MethodOption; 18] = [
     MethodOption {
         name: "inflections",
         title: "Inflections",
-        help: "Inflections set by hand, caudal first, each a vertebra or a disc, such as L1/T12,T6 [default: found on the erect film]",
+        help: "Inflections set by hand, caudal first, each a disc or the midpoint of a vertebra, such as L1/T12,T6 [default: found on the erect film]",
         value_name: "SITE,SITE",
         values: OptionValues::Text(&[]),
         may_repeat: false,

@@ -34,7 +34,13 @@ pub(super) fn warnings(
     placed: &PlacedLoads,
     response: &Response,
 ) -> Vec<SimulationWarning> {
-    let mut all = about_loads(model, loads);
+    let doubts = model.doubts.iter();
+    let mut all: Vec<SimulationWarning> = doubts
+        .map(|doubt| {
+            SimulationWarning::new(WarningCode::ModelDoubted, format!("the model: {doubt}"))
+        })
+        .collect();
+    all.extend(about_loads(model, loads));
     if response.ending == PathEnding::Interrupted {
         let text = "interrupted; the path so far is kept, but it is not a result";
         all.push(SimulationWarning::new(WarningCode::Interrupted, text));
@@ -95,7 +101,13 @@ fn about_loads(model: &PersonalisedModel, loads: &LoadFile) -> Vec<SimulationWar
         all.push(SimulationWarning::new(WarningCode::RelativeForces, text));
     }
     if weighs {
-        let text = "the erect shape is taken as unloaded, although the patient's weight already acted on the erect film: this weight is added to it, and no muscles carry it; a spine without muscles bears only a small part of the body";
+        let erect = match model.carried_body_mass_kg {
+            None => "the erect shape is taken as unloaded, although the patient's weight already acted on the erect film".to_owned(),
+            Some(kg) => format!("the stiffness already counts the weight of the trunk of a body of {kg} kg in the erect shape"),
+        };
+        let text = format!(
+            "{erect}: this weight is added to it, and no muscles carry it; a spine without muscles bears only a small part of the body"
+        );
         all.push(SimulationWarning::new(WarningCode::WeightOnTop, text));
     }
     if loads.loads.iter().any(springs) {

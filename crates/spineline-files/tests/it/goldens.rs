@@ -123,8 +123,8 @@ fn sections() -> Vec<(String, Section)> {
             let noise = LandmarkNoise::Pixels(2.0);
             let replicates = MonteCarlo::new(&case, &analysis, noise, 1).expect("sound noise");
             let mut tally = replicates.tally();
-            (0..20).for_each(|index| tally.add(&replicates.replicate(index)));
-            file = file.with_uncertainty(&analysis, &tally.finish(20));
+            (0..40).for_each(|index| tally.add(&replicates.replicate(index)));
+            file = file.with_uncertainty(&analysis, &tally.finish(40));
             let found: Vec<_> =
                 analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
             file = file.with_identifiability(&analysis, &found);

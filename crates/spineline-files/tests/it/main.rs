@@ -3,6 +3,7 @@
 mod bands;
 mod biplanar_lines;
 mod bodies;
+mod case_rules;
 mod exports;
 mod files;
 mod films_of_exports;

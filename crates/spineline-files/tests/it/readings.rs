@@ -35,6 +35,9 @@ fn every_error_of_a_row_names_its_line() {
         ("a,mm,1,B,-1,2.5\n", "whole number from 1"),
         ("a,mm,,B,1,2.5\n", "`subject` is empty"),
         ("a,mm,1,=cmd|x,1,2.5\n", "formula"),
+        ("a,mm,1,Dr. Smith,1,2.5\n", "`observer` is `Dr. Smith`, and must be 1 to 64 letters"),
+        ("a,mm,Jane Doe,B,1,2.5\n", "`subject` is `Jane Doe`, and must be 1 to 64 letters"),
+        ("a,mm,1,B,1,-inf\n", "`value` is `-inf`, which is not a number"),
         ("a,deg,1,B,1,2.5\n", "`a` is in deg, but in mm above"),
         ("a,mm,1,A,1,7\n", "is given twice"),
         ("a,mm,1,B,1\n", "5 cells, but the heading has 6"),
@@ -46,6 +49,8 @@ fn every_error_of_a_row_names_its_line() {
         }
     }
     assert!(table("").expect_err("nothing").to_string().contains("no reading"));
+    let named = table("a,mm,Jane Doe,B,1,2.5\n").expect_err("a name");
+    assert!(named.help().contains("a code such as A, and no name of a person"));
 }
 
 #[test]
@@ -62,7 +67,7 @@ fn tables_of_spreadsheets_are_read_as_plain_ones() {
             "tabs, an empty column",
         ),
         (
-            "quantity,unit,subject,observer,repeat,value\na,mm,1,A,1.0,2.5\na,mm,1,B,1.0,3\na,mm,2,A,1.0,4\na,mm,2,B,1.0,4.5\na,mm,3,A,1,NA\na,mm,3,B,1,\n,,,,,\n",
+            "quantity,unit,subject,observer,repeat,value\na,mm,1,A,1.0,2.5\na,mm,1,B,1.0,3\na,mm,2,A,1.0,4\na,mm,2,B,1.0,4.5\na,mm,3,A,1,NA\na,mm,3,B,1,\na,mm,4,A,1,NaN\n,,,,,\n",
             "repeats with decimals, subjects without a value, an empty row",
         ),
     ] {

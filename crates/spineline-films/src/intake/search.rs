@@ -167,7 +167,10 @@ impl IntakeError {
             Self::Gone { reason: Reason::Unreadable(std::io::ErrorKind::NotFound), .. } => {
                 "check the path; the films of a case lie in the folder of the case"
             }
-            Self::Gone { .. } => "run the import again when no other program writes there",
+            Self::Gone { reason: Reason::Unreadable(std::io::ErrorKind::IsADirectory), .. } => {
+                "name the film or the case file in the folder"
+            }
+            Self::Gone { .. } => "run the command again when no other program writes there",
         }
     }
 }

@@ -246,3 +246,12 @@ fn a_film_deleted_during_the_search_is_named() {
     let error = read(&found.films[0].place, &IntakeLimits::default()).expect_err("it is gone");
     assert!(error.to_string().contains("one.png"), "{error}");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_folder_in_place_of_a_film_is_named_as_one() {
+    let here = folder();
+    let place = spineline_films::intake::Place::File(here.path().to_owned());
+    let error = read(&place, &IntakeLimits::default()).expect_err("a folder");
+    assert_eq!(error.help(), "name the film or the case file in the folder");
+}

@@ -5,7 +5,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
     Corners, IliacCrests, Origin, Placement, Reading, ReadingId, VertebraLandmarks,
 };
-use spineline::spatial::{Angle, Frontal, Pixel};
+use spineline::spatial::{Frontal, Pixel};
 use spineline_files::{
     column_name, decode_text, starts_formula, stated_separator, unguarded, whole_number,
 };
@@ -16,7 +16,7 @@ use super::{
     AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
     REPEAT, SD_SHARE, VERTEBRA, WALLS,
 };
-use crate::film::{confidence, merge_crests, named, origin, pixel};
+use crate::film::{confidence, degrees, merge_crests, named, origin, pixel};
 use crate::names::{CREST_LEFT, CREST_RIGHT, observer, parse_level, shown};
 use crate::{
     ColumnHint, LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings,
@@ -182,9 +182,11 @@ impl Table<'_> {
                 };
             }
             Values::Placements(columns) => {
-                let [y, z, tilt] =
-                    [0, 1, 2].map(|i| self.number(record, columns[i], line, PLACED[i]));
-                let placement = Placement::new(Frontal::new(y?, z?), Angle::from_deg(tilt?));
+                let [y, z] = [0, 1].map(|i| self.number(record, columns[i], line, PLACED[i]));
+                let location = Frontal::new(y?, z?);
+                let tilt = self.number(record, columns[2], line, PLACED[2])?;
+                let tilt = degrees(tilt, &place(line, PLACED[2]))?;
+                let placement = Placement::new(location, tilt);
                 let film = self.films.entry(posture).or_default();
                 let reading = film.placements.entry(id.clone()).or_default();
                 match reading.get(&level) {
@@ -206,7 +208,7 @@ impl Table<'_> {
         let points = self.pixels(record, line, corners)?;
         let axis_clockwise = match self.columns.axis {
             Some(column) if !is_blank(record, column) => {
-                Some(Angle::from_deg(self.number(record, column, line, AXIS)?))
+                Some(degrees(self.number(record, column, line, AXIS)?, &place(line, AXIS))?)
             }
             _ => None,
         };

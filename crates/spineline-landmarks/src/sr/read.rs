@@ -12,7 +12,7 @@ use spineline_films::read_data_set;
 
 use super::HALF_PIXEL;
 use super::codes::{self, Code};
-use crate::film::{origin, pixel};
+use crate::film::{degrees, origin, pixel};
 use crate::names::observer;
 use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 
@@ -155,13 +155,12 @@ fn axis(items: &[InMemDicomObject], at: &str) -> Result<Option<Angle>, LandmarkE
     let value = turned
         .get(tags::MEASURED_VALUE_SEQUENCE)
         .and_then(|element| element.items()?.first()?.get(tags::FLOATING_POINT_VALUE))
-        .and_then(|element| element.to_float64().ok())
-        .filter(|degrees| degrees.abs() <= 360.0);
-    let degrees = value.ok_or_else(|| LandmarkError::Missing {
+        .and_then(|element| element.to_float64().ok());
+    let deg = value.ok_or_else(|| LandmarkError::Missing {
         at: at.to_owned(),
         what: "the axis in degrees".to_owned(),
     })?;
-    Ok(Some(Angle::from_deg(degrees)))
+    degrees(deg, at).map(Some)
 }
 
 /// The origins of the corners of a vertebra; a missing one means clicked.

@@ -1,12 +1,17 @@
 //! Wrong landmarks and invalid files: each fault gives an error that names its place.
 
+use std::collections::BTreeMap;
+
 use proptest::prelude::*;
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{CornerFault, ImageGeometry, MeasureFault};
+use spineline::measure::{CornerFault, FilmLandmarks, ImageGeometry, MeasureFault};
+use spineline::spatial::Angle;
 use spineline_landmarks::{
-    LandmarkError, LandmarkHint, LandmarkReadings, MAX_ROWS, parse_coco, parse_csv, parse_labelme,
-    parse_landmarks, parse_slicer,
+    LandmarkError, LandmarkHint, LandmarkReadings, LandmarkTarget, MAX_ROWS, export_landmarks,
+    parse_coco, parse_csv, parse_labelme, parse_landmarks, parse_slicer,
 };
+
+use crate::exchange;
 
 const HEADING: &str = "posture,observer,repeat,vertebra,superior_left_column_px,superior_left_row_px,superior_right_column_px,\
 superior_right_row_px,inferior_left_column_px,inferior_left_row_px,inferior_right_column_px,inferior_right_row_px";
@@ -158,6 +163,36 @@ fn f29_a_single_iliac_crest_is_not_used() {
     refused(&table(&[crests("700,1700,,,,,,")]), &["line 2", "iliac_crest_right"]);
     refused(&table(&[crests("700,1700,300,1710,1,,,")]), &["inferior_left_column_px", "empty"]);
     refused(&table(&[crests("700,1700,300,1710,,,,"), crests("1,1,300,1710,,,,")]), &["twice"]);
+}
+
+#[test]
+fn angles_of_more_than_half_a_turn_are_refused() {
+    let rows = [format!("{},362.2", row(Level::T12))];
+    let axis = table(&rows).replacen('\n', ",axis_clockwise_deg\n", 1);
+    refused(&axis, &["line 2", "axis_clockwise_deg", "`362.2` is not an angle"]);
+    let placed = "posture,observer,repeat,vertebra,location_left_mm,location_cranial_mm,tilt_right_deg\nerect,A,1,T12,1,2,-181\n";
+    refused(placed, &["line 2", "tilt_right_deg", "`-181` is not an angle"]);
+}
+
+#[test]
+fn an_axis_of_more_than_half_a_turn_in_a_report_is_refused() {
+    let mut case = exchange::case(ImageSide::Right);
+    case.films.truncate(1);
+    let film = &mut case.films[0];
+    let image = exchange::image(film);
+    let source = exchange::source((image.columns, image.rows), film.posture);
+    let sources = BTreeMap::from([(film.posture, source)]);
+    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { panic!("corners") };
+    let l4 = readings[0].vertebrae.get_mut(&Level::L4).expect("marked");
+    l4.axis_clockwise = Some(Angle::from_deg(200.0));
+    let target =
+        LandmarkTarget::DicomSr { sources: &sources, curves: &[], written: ["20260131", "101500"] };
+    let files = export_landmarks(&case, None, target).expect("reports");
+    let error = parse_landmarks(&files[0].bytes, &LandmarkHint::default()).expect_err("200°");
+    let LandmarkError::Value { at, value, expected } = error else { panic!("{error}") };
+    assert!(at.starts_with("measurement group"), "{at}");
+    assert!((value.parse::<f64>().expect("a number") - 200.0).abs() < 1e-9, "{value}");
+    assert_eq!(expected, "an angle in degrees from -180 to 180");
 }
 
 #[test]

@@ -27,7 +27,7 @@ fn place(found: &LinesCompared, kind: LineKind) -> usize {
 
 /// The verdict in short.
 fn said(analysis: &Analysis) -> String {
-    let Headline { line, prediction, stiffness, .. } = analysis.headline();
+    let Headline { line, prediction, stiffness, .. } = analysis.headline(None);
     [Some(line), prediction, stiffness].into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 

@@ -235,7 +235,7 @@ fn baselines(cohort: &Cohort) -> Table {
             with_interval(errors.location_mm.patients.mean, errors.location_mm.bootstrap, 1),
         ]);
     }
-    table.note = "The rotations and the scale of the film are fitted to T2: to its location, as every line is, and in one row to its tilt too. A model with a smaller error is worth its parameters.".to_owned();
+    table.note = "The rotations and the scale of the film are fitted to the top vertebra: to its location, as every line is, and in one row to its tilt too. A model with a smaller error is worth its parameters.".to_owned();
     table
 }
 

@@ -5,6 +5,7 @@ use spineline::analysis::FilmRole;
 use spineline::cohort::{
     BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
 };
+use spineline::evaluate::statistics::Resampling;
 use spineline::number::p_value;
 use spineline::warning::counted;
 
@@ -43,7 +44,7 @@ fn line(cohort: &Cohort) -> String {
         cohort.outcomes.iter().partition(|kind| kind.patients.tested() > 0);
     let rejected = tested.iter().map(|kind| words(kind)).collect::<Vec<_>>().join(", ");
     let rejected = (!tested.is_empty()).then(|| {
-        format!("The bends reject a single force along {rejected}. A true line is rejected in at most 5 % of patients.")
+        format!("The bends reject a single force along {rejected} (level of the test 5 %).")
     });
     let names = untested.iter().map(|kind| format!("the {}", kind.kind)).collect::<Vec<_>>();
     let names = (!names.is_empty()).then(|| format!("Not tested: {}.", names.join(", ")));
@@ -145,6 +146,9 @@ fn comparisons(cohort: &Cohort) -> Table {
             table.row(row(role, what, &test.comparison, test.holm_p));
         }
     }
-    table.note = "Negative: the first one has the smaller error. * the best prediction without mechanics. † not fair: the estimated line takes two numbers more from each film.".to_owned();
+    table.note = format!(
+        "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. † not fair: the estimated line takes two numbers more from each film.",
+        Resampling::FEWEST
+    );
     table
 }

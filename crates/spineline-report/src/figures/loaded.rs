@@ -175,7 +175,7 @@ fn legend(page: &mut Page, input: &LoadedSpine<'_>, acting: &[ActingLoad]) {
     let mut add = |ink, marker, words: &str| {
         page.legend.push((Sample::Stroke(ink, marker), words.to_owned()));
     };
-    add(ERECT.0, Some(ERECT.1), "erect, unloaded");
+    add(ERECT.0, Some(ERECT.1), "erect, before the loads");
     let (ink, marker) = shape_style(input);
     let words = if input.response.result().is_some() { "under load" } else { "not a result" };
     add(ink, Some(marker), words);

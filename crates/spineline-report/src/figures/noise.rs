@@ -16,7 +16,7 @@ pub struct NoiseScenario {
 /// A number over the noise, for one loading scenario.
 #[derive(Debug, Clone)]
 pub struct NoiseCurve {
-    /// Noise in mm; value, lower and upper end of its interval, in percent.
+    /// Noise in mm; value, lower and upper end of its interval, in percent; the ends are NaN without an interval.
     pub points: Vec<(f64, [f64; 3])>,
 }
 

@@ -91,7 +91,9 @@ fn mark_inflections(panel: &mut Panel, analysis: &Analysis, segments: [usize; 2]
     let x = segments.map(|segment| panel.px(segment as f64, 0.0).0);
     let words: [String; 2] = std::array::from_fn(|i| {
         let (low, high) = pair[i].between;
-        format!("segment {}, {low}–{high}", segments[i])
+        let between = || format!("{low}–{high}");
+        let place = pair[i].vertebra.map_or_else(between, |level| level.to_string());
+        format!("segment {}, {place}", segments[i])
     });
     let half = words.each_ref().map(|words| 0.5 * text_width_px(words, TICK_PX));
     let push = 0.5 * (half[0] + half[1] + 8.0 - (x[1] - x[0])).max(0.0);

@@ -51,7 +51,7 @@ pub fn films_table(analysis: &Analysis) -> Table {
         add.numbers(format!("{}-{}", levels.base(), levels.top()), |film| {
             film.scale.text(film.polygon_mm(), 0)
         });
-        add.words("Lateral tilt", |film| amplitude(film));
+        add.words("Lateral tilt against the iliac normal", |film| amplitude(film));
         add.words("Location sd", |film| {
             measured(film, film.scale.residual_text(film.noise.location_mm))
         });

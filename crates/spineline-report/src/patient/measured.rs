@@ -113,12 +113,16 @@ fn ends_interpolated(analysis: &Analysis, posture: Posture, ends: CobbEnds) -> b
     analysis.movement.film(posture).is_some_and(hidden)
 }
 
-/// The amplitude of a film, with the vertebrae between which it is measured if these are not the ends of the model.
+/// The amplitude of a film, with the vertebrae between which it is measured if these are not the ends of the model, and with its
+/// reference if this is not the iliac line.
 pub fn amplitude(film: &Outline) -> String {
     let [lower, upper] = film.amplitude_levels();
+    let base = film.levels().base();
+    let ends = ([lower, upper] != [base, film.levels().top()]).then(|| format!("{lower}–{upper}"));
+    let axis = film.iliac_normal.is_none().then(|| format!("against {base}'s axis"));
+    let remarks: Vec<String> = ends.into_iter().chain(axis).collect();
     let leaning = film.amplitude().leaning();
-    let is_of_model = [lower, upper] == [film.levels().base(), film.levels().top()];
-    if is_of_model { leaning } else { format!("{leaning} ({lower}–{upper})") }
+    if remarks.is_empty() { leaning } else { format!("{leaning} ({})", remarks.join(" ")) }
 }
 
 /// The curve of every film, and its movement.
@@ -127,7 +131,8 @@ pub fn curves(analysis: &Analysis) -> Table {
     let caption = "Fitted curves and their movement from the erect film";
     let mut table = Table::of(caption, &analysis.movement.films, |add| {
         add.words("Film", |p| p.outline.posture.to_string());
-        add.words(format!("Lateral tilt of {}–{}", levels.base(), levels.top()), |p| {
+        let [base, top] = [levels.base(), levels.top()];
+        add.words(format!("Lateral tilt of {base}–{top} against the iliac normal"), |p| {
             amplitude(&p.outline)
         });
         add.numbers("Order of the curve", |p| p.fit.order.to_string());

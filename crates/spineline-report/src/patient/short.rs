@@ -1,7 +1,7 @@
 //! The first page: which line, how sure, how stiff, what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmRole, LineModel};
+use spineline::analysis::{Analysis, FilmRole, LineModel, MultiplierEnding};
 use spineline::evaluate::Baseline;
 use spineline::number::{self, fixed};
 use spineline::personalize::{Identifiability, StiffnessBound, TestOutcome};
@@ -28,6 +28,41 @@ impl<'a> Intervals<'a> {
         let Patient { identifiability, uncertainty, .. } = *patient;
         Self { identifiability, uncertainty }
     }
+
+    /// The source for a model: its films, or else the replicates.
+    fn of_model(self, analysis: &Analysis, model: &LineModel) -> Option<Source<'a>> {
+        let place = analysis.models.iter().position(|other| other.kind == model.kind);
+        let found = place.zip(self.identifiability).and_then(|(place, all)| all[place].as_ref());
+        found.map(Source::Films).or_else(|| self.uncertainty.map(Source::Replicates))
+    }
+}
+
+/// The source of the intervals of one model.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Films(&'a Identifiability),
+    Replicates(&'a Uncertainty),
+}
+
+impl Source<'_> {
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Films(_) => " (95 % interval of the mean of its joints)",
+            Self::Replicates(_) => " (95 % interval by landmark noise, if the model is exact)",
+        }
+    }
+
+    fn interval(self, model: &LineModel, group: usize) -> Option<String> {
+        let scale = model.fit.absolute_scale;
+        match self {
+            Self::Films(found) => {
+                let one = &found.multipliers[group];
+                let outside = if one.is_outside() { "; the fit lies outside" } else { "" };
+                Some(format!("{}{outside}", uncertainty::interval(one, scale)))
+            }
+            Self::Replicates(found) => noise_interval(found, model, group, scale),
+        }
+    }
 }
 
 /// Answers, a table and a picture.
@@ -52,7 +87,7 @@ pub fn on_terminal(patient: &Patient<'_>) -> Section {
 
 fn answers(analysis: &Analysis, intervals: Intervals<'_>) -> Section {
     let mut section = Section::new("short", "In short");
-    let headline = analysis.headline();
+    let headline = analysis.headline(intervals.identifiability);
     section.paragraph(format!("Which curve? {}", curve(analysis)));
     section.paragraph(format!("Which line? {}", headline.line));
     let noise = measured::noise_words(analysis);
@@ -84,7 +119,7 @@ fn curve(analysis: &Analysis) -> String {
         )
     });
     let place = |pair: &[spineline::curve::Inflection; 2]| {
-        let [a, b] = pair.map(|one| format!("{}/{}", one.between.0, one.between.1));
+        let [a, b] = pair.map(|one| one.place());
         format!("Inflections: {a} and {b}.")
     };
     let inflections = analysis.movement.inflections.pair.as_ref().map(place);
@@ -99,41 +134,36 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
         let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
         let ends = low.zip(high).map(|(low, high)| number::interval([low, high], 2));
         return format!(
-            "Stiffness as a multiple of the table: {} over {} joints.",
+            "Multiples of the table: {} over {} joints.",
             ends.unwrap_or_default(),
             values.len()
         );
     }
+    let verdicts = model.verdicts(analysis);
+    let source = intervals.of_model(analysis, model);
+    let mut words = "";
     let one = |(group, (name, value)): (usize, (String, f64))| {
-        let interval = match model.fit.bounds[group] {
-            StiffnessBound::Inside => interval(analysis, model, group, intervals),
-            _ => Some("at its bound".to_owned()),
+        let note = match (model.fit.bounds[group], verdicts[group].ending) {
+            (StiffnessBound::Lower | StiffnessBound::Upper, _) => Some("at its bound".to_owned()),
+            (_, MultiplierEnding::OthersAtBounds) => {
+                Some("no value: the others are at their bounds".to_owned())
+            }
+            _ => source.and_then(|source| {
+                let interval = source.interval(model, group)?;
+                words = source.words();
+                Some(interval)
+            }),
         };
-        let interval = interval.map_or_else(String::new, |text| format!(" ({text})"));
-        format!("{} {}{interval}", name, fixed(value, 2))
+        let note = note.map_or_else(String::new, |text| format!(" ({text})"));
+        format!("{} {}{note}", name, fixed(value, 2))
     };
-    let all = model.groups.titles().zip(values).enumerate().map(one);
-    format!("Stiffness as a multiple of the table: {}.", all.collect::<Vec<_>>().join(", "))
-}
-
-/// The 95 % interval of a multiplier: by the films, or else over replicates.
-fn interval(
-    analysis: &Analysis,
-    model: &LineModel,
-    group: usize,
-    intervals: Intervals<'_>,
-) -> Option<String> {
-    let scale = model.fit.absolute_scale;
-    let by_films = || {
-        let place = analysis.models.iter().position(|other| other.kind == model.kind)?;
-        let found = intervals.identifiability?[place].as_ref()?;
-        let one = &found.multipliers[group];
-        let interval = uncertainty::interval(one, scale);
-        let disputed = if one.is_disputed() { "; the fit lies outside" } else { "" };
-        Some(format!("mean of its joints {interval}{disputed}"))
+    let all = model.groups.titles().zip(values).enumerate().map(one).collect::<Vec<_>>();
+    let few = match source {
+        Some(Source::Replicates(found)) if words.is_empty() => found.few_words(),
+        _ => None,
     };
-    let by_noise = |found| noise_interval(found, model, group, scale);
-    by_films().or_else(|| intervals.uncertainty.and_then(by_noise))
+    let few = few.map_or_else(String::new, |few| format!(" {few}"));
+    format!("Multiples of the table{words}: {}.{few}", all.join(", "))
 }
 
 /// What a user may do now.

@@ -97,12 +97,14 @@ fn baseline_test(
 }
 
 pub(super) fn difference(found: Option<&PairedComparison>) -> Cell {
-    let found = found.and_then(|found| Some((found, found.bootstrap?)));
-    let Some((comparison, ends)) = found else {
+    let Some(comparison) = found.filter(|found| found.mean_difference.is_finite()) else {
         return Cell::missing();
     };
     let mean = comparison.mean_difference;
-    let text = format!("{} ({})", signed(mean, 2), interval(ends, 2));
+    let mut text = signed(mean, 2);
+    if let Some(ends) = comparison.bootstrap {
+        text += &format!(" ({})", interval(ends, 2));
+    }
     Cell::value(mean, comparison.patients(), text)
 }
 

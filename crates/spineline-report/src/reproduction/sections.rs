@@ -113,9 +113,9 @@ fn chain(columns: &Columns<'_>) -> Part {
     )
 }
 
-/// Width of an interval, with its ends as text.
-fn interval_cell(ends: [f64; 2], n: usize) -> Cell {
-    Cell::value(ends[1] - ends[0], n, interval(ends, 4))
+/// Width of an interval, with its ends as text; missing without one.
+fn interval_cell(ends: Option<[f64; 2]>, n: usize) -> Cell {
+    ends.map_or_else(Cell::missing, |ends| Cell::value(ends[1] - ends[0], n, interval(ends, 4)))
 }
 
 /// How far the mean of some values lies below another mean, in percent of that.
@@ -142,12 +142,9 @@ fn movement(columns: &Columns<'_>) -> Part {
 fn rotation_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
     let interval = |c: &Cohort| {
         let pooled = &c.rotation_deg.pooled;
-        interval_cell(pooled.normal_interval(), pooled.n)
+        interval_cell(Some(pooled.normal_interval()), pooled.n)
     };
-    let patients = |c: &Cohort| {
-        let ends = c.rotation_deg.bootstrap.unwrap_or([f64::NAN; 2]);
-        interval_cell(ends, c.rotation_deg.patients.n)
-    };
+    let patients = |c: &Cohort| interval_cell(c.rotation_deg.bootstrap, c.rotation_deg.patients.n);
     vec![
         compared("mean rotation r (°)", "deg", PaperMean::new(0.0418, 0.0353, 4), columns, |c| {
             Cell::of(&c.rotation_deg.pooled, 4)

@@ -9,10 +9,11 @@ use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::PathEnding;
 use spineline::number::fixed;
+use spineline::reliability::{RatedQuantity, assess};
 use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::cohort::{self, PatientRow, Rows};
 use spineline_report::document::{Block, Table};
-use spineline_report::{Document, figures, html};
+use spineline_report::{Document, figures, html, reliability, terminal};
 
 use crate::common::{analyzed, cohort_report, section};
 use crate::terminal::{case, tables};
@@ -255,4 +256,21 @@ fn films_without_a_result_are_shown_of_the_first_patients() {
         named.dedup();
         assert_eq!(named.len(), PatientRow::MAX_SHOWN);
     }
+}
+
+#[test]
+fn readings_that_cannot_be_compared_say_why() {
+    let text = |subjects: u32, observers: &[&str]| {
+        let mut quantity = RatedQuantity::new("score", "points", "");
+        for subject in 0..subjects {
+            for observer in observers {
+                assert!(quantity.insert(&subject.to_string(), observer, 1, f64::from(subject)));
+            }
+        }
+        terminal(&reliability::summary(&[assess(&quantity)], false, "spineline test"), 110)
+    };
+    let one_subject = text(1, &["A", "B"]);
+    assert!(one_subject.contains("not known: 1 subject, and at least 2"), "{one_subject}");
+    let one_observer = text(2, &["A"]);
+    assert!(one_observer.contains("No quantity was read twice"), "{one_observer}");
 }

@@ -1,4 +1,4 @@
-//! Reports of films without a scale: no length in millimetres, and the reason for what is missing.
+//! Reports of films without a scale or iliac crests: no length in millimetres, and the reason for what is missing.
 
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
@@ -7,6 +7,7 @@ use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::document::{Block, Section};
 use spineline_report::figures::{case_overview, line_identification, spine_in_space};
 use spineline_report::html;
+use spineline_report::patient::films_table;
 
 use crate::common::{analyzed, report, section};
 
@@ -39,7 +40,9 @@ fn a_case_without_a_scale_has_no_drawing_in_millimetres() {
     let words = paragraphs(space);
     assert!(words.contains("not drawn") && words.contains("no scale"), "{words}");
     assert_eq!(spine_in_space(&analyzed(&case(&[Posture::Erect]))), None);
-    assert!(!html(&document).contains("class=\"space\""), "no view to turn either");
+    let page = html(&document);
+    assert!(!page.contains("class=\"space\""), "no view to turn either");
+    assert!(!page.contains("Left-out bends (mm)"), "no errors of predictions");
 }
 
 #[test]
@@ -72,4 +75,27 @@ fn a_model_without_a_scale_needs_none_for_its_angles() {
     let document = report(&case(&Posture::ALL));
     let text = html(&document);
     assert!(text.contains("Cobb angles") && text.contains("Rotation of every segment"));
+}
+
+#[test]
+fn the_tilt_of_a_film_without_iliac_crests_names_its_other_reference() {
+    let mut case = case(&[]);
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { iliac_crests, .. } = &mut film.landmarks else { continue };
+        if film.posture != Posture::Erect {
+            *iliac_crests = None;
+        }
+    }
+    let table = films_table(&analyzed(&case));
+    assert_eq!(table.columns[3].head, "Lateral tilt against the iliac normal");
+    let other: Vec<bool> =
+        table.rows.iter().map(|row| row[3].ends_with(" (against L4's axis)")).collect();
+    assert_eq!(other, [false, true, true, true, true]);
+}
+
+#[test]
+fn a_lenke_type_says_that_it_uses_frontal_films_alone() {
+    let words = analyzed(&case(&[])).lenke_words();
+    assert!(words.starts_with("Lenke type "), "{words}");
+    assert!(words.ends_with(" (by frontal films alone, no modifiers)"), "{words}");
 }

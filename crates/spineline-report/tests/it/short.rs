@@ -1,10 +1,11 @@
 //! The first screen answers which line, how sure, how stiff and what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmRole};
+use spineline::analysis::{Analysis, FilmRole, MultiplierVerdict};
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
 use spineline::evaluate::Baseline;
 use spineline::number::fixed;
+use spineline::personalize::{IntervalVerdict, MultiplierInformation};
 use spineline::warning::WarningCode;
 use spineline_phantom::Scenario;
 use spineline_report::cohort::{self, PatientRow, Rows};
@@ -76,8 +77,36 @@ fn bends_that_mirror_each_other_are_not_held_against_mechanics() {
         let (best, without_mm) = ranking.baseline.expect("predicted without mechanics");
         assert!(ranking.best().1 >= without_mm, "no line is better");
         assert_eq!(best == Baseline::MirroredBend, is_mirrored);
-        assert_eq!(analysis.headline().prediction.expect("words").contains(words), is_mirrored);
+        assert_eq!(analysis.headline(None).prediction.expect("words").contains(words), is_mirrored);
         assert_eq!(analysis.verdict().join(" ").contains(words), is_mirrored);
+    }
+}
+
+#[test]
+fn stiffness_is_identified_only_where_this_was_tested() {
+    // Oracle: the verdicts on the multipliers themselves.
+    for truth in [Scenario::Rod, Scenario::Pull] {
+        let analysis = analyzed(&case(0, truth));
+        let fitted = analysis.headline(None);
+        assert!(fitted.stiffness.is_some_and(|text| !text.contains("the films identify ")));
+        let tested: Vec<_> =
+            analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
+        let headline = analysis.headline(Some(&tested));
+        let place = analysis.models.iter().position(|model| Some(model.kind) == headline.kind);
+        let place = place.expect("a model");
+        let verdicts = analysis.models[place].verdicts(&analysis);
+        let all = &tested[place].as_ref().expect("a converged fit").multipliers;
+        let identified = |(fit, one): (&MultiplierVerdict, &MultiplierInformation)| {
+            fit.has_value() && one.verdict() == IntervalVerdict::Interval
+        };
+        let count = verdicts.iter().zip(all).filter(|pair| identified(*pair)).count();
+        let words = match count {
+            0 => "identify no stiffness value.".to_owned(),
+            n if n == all.len() => format!("identify {n} of {n} stiffness values."),
+            n => format!("identify {n} of {} stiffness values; not identified: ", all.len()),
+        };
+        let text = headline.stiffness.expect("words");
+        assert!(text.contains(&words), "{text}, not {words}");
     }
 }
 

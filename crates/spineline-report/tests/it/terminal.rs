@@ -284,7 +284,10 @@ fn requested_numbers_of_replicates_are_shown() {
     let head = format!("4 replicates, seed 7; {} of them failed", found.failed);
     assert!(text.contains(&head), "{text}");
     assert!(text.contains("Interrupted: requested were 5 replicates."), "{text}");
-    let said = found.noise_words().into_iter().chain(found.failure_words());
+    let few = found.few_words().expect("4 replicates");
+    let usable = found.done - found.failed;
+    assert_eq!(few, format!("A 95 % interval needs 40 replicates; with a result: {usable}."));
+    let said = found.noise_words().into_iter().chain(found.failure_words()).chain([few]);
     for sentence in said.chain([Uncertainty::CAVEAT.to_owned()]) {
         assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
     }

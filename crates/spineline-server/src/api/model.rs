@@ -77,15 +77,15 @@ pub struct MeasuredShape {
     pub shape: Shape,
 }
 
-/// How far a parameter is identified.
+/// How the fit of a multiplier ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Identified {
-    /// Identified as an absolute value.
-    Identified,
-    /// Identified as a ratio to the others.
+    /// An absolute value.
+    Absolute,
+    /// A ratio to the others.
     RatioOnly,
-    /// The fit ended at a bound.
+    /// It ended at a bound, or all others did.
     Bound,
     /// Its joints are counter-rotating: no positive stiffness explains them.
     Contradicted,
@@ -123,7 +123,7 @@ pub struct MultiplierView {
     pub label: String,
     /// Factor on the nominal lateral stiffness.
     pub factor: f64,
-    /// How far it is identified.
+    /// How its fit ended.
     pub identified: Identified,
     /// Reason as text.
     pub text: String,

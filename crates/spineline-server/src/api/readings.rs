@@ -47,7 +47,7 @@ pub struct ReadingView {
     /// Whether films are synthetic.
     pub synthetic: bool,
     /// The picture.
-    pub image: ReadingImage,
+    pub image: FilmImage,
     /// Number of events; to be sent with the next event.
     pub revision: u64,
     /// Number of changes that can be undone.
@@ -80,9 +80,9 @@ pub struct ReadingView {
     pub erect: Option<i64>,
 }
 
-/// The picture of a film, as a reading shows it.
+/// The picture of a film, as it is to be shown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct ReadingImage {
+pub struct FilmImage {
     /// Pixels in a row.
     pub columns: u32,
     /// Rows.

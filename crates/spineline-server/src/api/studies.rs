@@ -5,7 +5,7 @@ use spineline_store::{OpenPlan, StudyEdit};
 use utoipa::ToSchema;
 
 use super::{
-    CalibratorName, FilmViewName, ImageSideName, Notice, PostureName, ReadingImage, RoleName,
+    CalibratorName, FilmImage, FilmViewName, ImageSideName, Notice, PostureName, RoleName,
     SideName, SpacingPlaneName, WithdrawalView,
 };
 
@@ -95,8 +95,8 @@ pub struct FilmSummary {
     pub film: i64,
     /// Posture, or `lateral`.
     pub posture: FilmViewName,
-    /// Its picture without an open reading.
-    pub image: ReadingImage,
+    /// The film's picture.
+    pub image: FilmImage,
     /// Distance between neighbouring rows in the film's plane; null where the scale is unknown.
     pub row_mm: Option<f64>,
     /// Whether somebody compared it with the patient's records; checks then do not doubt it.

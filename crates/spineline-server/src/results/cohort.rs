@@ -6,7 +6,7 @@ use axum::extract::State;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::anatomy::Posture;
-use spineline::cohort::{Cohort, CohortPatient};
+use spineline::cohort::{Cohort, CohortPatient, KnownPatients, PatientMarks};
 use spineline::evaluate::statistics::{Summary, box_summary};
 use spineline::number::{fixed, none};
 use spineline::warning::WarningCode;
@@ -39,6 +39,10 @@ struct Member {
     apart: bool,
     summary: ResultSummary,
     result: Option<Arc<StudyResult>>,
+    /// Whether an earlier study is of the same patient.
+    is_second: bool,
+    /// Why the statistics leave it out.
+    excluded: Option<String>,
 }
 
 /// All studies that the requester may see, without the archived ones. Statistics leave out synthetic studies beside real ones.
@@ -70,18 +74,44 @@ async fn of_studies(state: AppState, user: User, pools: bool) -> Answer<Json<Coh
             };
             let (id, synthetic) = (study.id.to_string(), study.synthetic);
             let apart = synthetic && is_mixed && !pools;
-            Ok(Member { study: id, synthetic, apart, summary: line, result })
+            Ok(Member {
+                study: id,
+                synthetic,
+                apart,
+                summary: line,
+                result,
+                is_second: false,
+                excluded: None,
+            })
         });
         members.collect::<Result<Vec<Member>, StoreError>>()
     });
-    let members = members.await?;
-    computed(move || Json(view(&members, is_mixed))).await
+    let mut members = members.await?;
+    computed(move || {
+        leave_out(&mut members);
+        Json(view(&members, is_mixed))
+    })
+    .await
+}
+
+/// Leaves out of the statistics: a patient's second study, and studies without a result or with lengths that others do not have.
+fn leave_out(members: &mut [Member]) {
+    let mut known = KnownPatients::default();
+    for member in members {
+        let case = member.result.as_ref().filter(|_| !member.apart).map(|one| &one.current.case);
+        let same = case.and_then(|case| known.add(PatientMarks::of(case)).err());
+        member.is_second = same.is_some();
+        member.excluded = same.map_or_else(
+            || reason(member),
+            |same| Some(format!("{same}; a patient counts once: archive one of the two studies")),
+        );
+    }
 }
 
 fn view(members: &[Member], is_mixed: bool) -> CohortView {
-    let together = members.iter().filter(|member| !member.apart);
+    let together = members.iter().filter(|member| !member.apart && !member.is_second);
     let results: Vec<&StudyResult> = together.filter_map(|m| m.result.as_deref()).collect();
-    let counted = members.iter().filter(|member| excluded(member).is_none());
+    let counted = members.iter().filter(|member| member.excluded.is_none());
     let counted = counted.filter_map(|member| member.result.as_ref());
     let analyses: Vec<&Analysis> = counted.filter_map(|result| result.analysis()).collect();
     let patients: Vec<CohortPatient> = analyses.iter().map(|one| CohortPatient::of(one)).collect();
@@ -128,7 +158,7 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
 fn other_options(members: &[Member]) -> Option<Notice> {
     let counted: Vec<&ChosenOptions> = members
         .iter()
-        .filter(|member| excluded(member).is_none())
+        .filter(|member| member.excluded.is_none())
         .filter_map(|member| Some(&member.result.as_ref()?.current.options))
         .collect();
     let changed = counted.iter().filter(|options| !options.all().is_empty()).count();
@@ -144,8 +174,8 @@ fn other_options(members: &[Member]) -> Option<Notice> {
     (changed > 0).then(|| notices::notice(severity, "options_changed", text))
 }
 
-/// Reason for the exclusion of a study from the statistics.
-fn excluded(member: &Member) -> Option<String> {
+/// Why a study by itself is not counted.
+fn reason(member: &Member) -> Option<String> {
     match member.result.as_ref().map(|result| &result.outcome) {
         Some(Outcome::Analysed(_)) if member.apart => {
             Some("synthetic: not pooled with real studies".to_owned())
@@ -164,7 +194,7 @@ fn row(member: &Member) -> CohortRow {
         study: member.study.clone(),
         synthetic: member.synthetic,
         status: member.summary.status,
-        excluded: excluded(member),
+        excluded: member.excluded.clone(),
         options_text: member.result.as_ref().and_then(|result| result.options_text()),
         cells: cells(analysis),
     }

@@ -149,7 +149,7 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
     let mut texts = vec![format!("{level} moves most: {} mm", fixed(moved_mm, 1))];
     texts.extend(curve_text(&before, &after));
     texts.push(format!(
-        "lateral tilt of {}–{}: {}",
+        "lateral tilt of {}–{} against {0}'s axis: {}",
         levels.base(),
         levels.top(),
         after.lateral_tilt.leaning()

@@ -1,7 +1,7 @@
 //! The personalised models of a study in 3D.
 
 use axum::extract::State;
-use spineline::analysis::{Analysis, Identification, LineModel, MultiplierVerdict};
+use spineline::analysis::{Analysis, LineModel, MultiplierEnding, MultiplierVerdict};
 use spineline::anatomy::Level;
 use spineline::measure::SpacingPlane;
 use spineline::personalize::FitStatus;
@@ -117,12 +117,12 @@ fn multipliers(analysis: &Analysis, model: &LineModel) -> Vec<MultiplierView> {
     let view = |((name, factor), verdict): ((String, f64), &MultiplierVerdict)| MultiplierView {
         label: name,
         factor: factor * model.fit.absolute_scale,
-        identified: match verdict.identification {
-            Identification::Absolute => Identified::Identified,
-            Identification::RatioOnly => Identified::RatioOnly,
-            Identification::AtBound(_) => Identified::Bound,
-            Identification::Contradicted => Identified::Contradicted,
-            Identification::NotConverged => Identified::NotConverged,
+        identified: match verdict.ending {
+            MultiplierEnding::Absolute => Identified::Absolute,
+            MultiplierEnding::Ratio => Identified::RatioOnly,
+            MultiplierEnding::AtBound(_) | MultiplierEnding::OthersAtBounds => Identified::Bound,
+            MultiplierEnding::Contradicted => Identified::Contradicted,
+            MultiplierEnding::NotConverged => Identified::NotConverged,
         },
         text: verdict.to_string(),
     };

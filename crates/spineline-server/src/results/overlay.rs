@@ -111,8 +111,10 @@ impl Drawing<'_> {
         let moved = self.measured.motion.is_some();
         let point = |(inflection, at): (&spineline::curve::Inflection, Frontal)| {
             let (below, above) = inflection.between;
+            let between = || format!("between {below} and {above}");
+            let place = inflection.vertebra.map_or_else(between, |level| format!("at {level}"));
             let when = if moved { " of the erect curve" } else { "" };
-            self.point(at, "INF", format!("inflection{when} between {below} and {above}"))
+            self.point(at, "INF", format!("inflection{when} {place}"))
         };
         pair.iter().zip(places).map(point).collect()
     }

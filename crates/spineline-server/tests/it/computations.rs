@@ -19,10 +19,10 @@ fn replicates_are_computed_and_shown_and_cancelled() {
         assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY);
     }
 
-    let begun = lead.post(PATH, &json!({ "count": 5 }));
-    assert_eq!((begun.status, &begun.json()["asked"]), (StatusCode::OK, &json!(5)));
+    let begun = lead.post(PATH, &json!({ "count": 60 }));
+    assert_eq!((begun.status, &begun.json()["asked"]), (StatusCode::OK, &json!(60)));
     let done = lead.ended(PATH);
-    assert_eq!((&done["state"], &done["done"]), (&json!("done"), &json!(5)), "{done}");
+    assert_eq!((&done["state"], &done["done"]), (&json!("done"), &json!(60)), "{done}");
     let intervals = done["intervals"].as_array().expect("intervals");
     let has = |word: &str| {
         intervals.iter().any(|one| one["label"].as_str().is_some_and(|l| l.contains(word)))

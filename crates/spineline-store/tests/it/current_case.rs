@@ -27,7 +27,7 @@ fn images() -> [(Posture, Value); 3] {
             json!({
                 "columns": 900, "rows": 2400, "column_spacing_mm": 1, "row_spacing_mm": 0.143,
                 "spacing_plane": "detector", "patient_left": "image_right",
-                "file": "S-1-left.dcm", "sha256": "00",
+                "file": "S-1-left.dcm", "sha256": "0".repeat(64),
             }),
         ),
         (

@@ -60,11 +60,14 @@ impl Analysis {
         LinesCompared { lines: lines.collect(), films, left_out }
     }
 
-    /// Predictions of a film that need no other patient.
+    /// Predictions of a film that need no other patient. Their errors are lengths, so both films have a scale.
     fn baselines(&self, posture: Posture, role: FilmRole) -> Vec<BaselinePrediction> {
         let movement = &self.movement;
         let film = movement.film(posture).filter(|_| role != FilmRole::Fitted);
         let Some(film) = film.map(|film| &film.outline) else { return Vec::new() };
+        if [film, &movement.erect().outline].iter().any(|one| !one.scale.has_millimetres()) {
+            return Vec::new();
+        }
         let other = match posture {
             Posture::LeftBending => movement.film(Posture::RightBending),
             Posture::RightBending => movement.film(Posture::LeftBending),

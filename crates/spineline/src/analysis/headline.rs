@@ -2,10 +2,10 @@
 
 use super::comparison::LinesCompared;
 use super::verdict::{listed, mirrored_words};
-use super::{Analysis, Identification, LineModel};
+use super::{Analysis, LineModel, MultiplierVerdict};
 use crate::action::LineKind;
 use crate::number::fixed;
-use crate::personalize::TestOutcome;
+use crate::personalize::{Identifiability, IntervalVerdict, TestOutcome};
 
 /// An analysis in short; [`Analysis::verdict`] has the evidence.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,19 +14,21 @@ pub struct Headline {
     pub line: String,
     /// Which line predicts best, beside the best prediction without mechanics; `None` where no film was predicted.
     pub prediction: Option<String>,
-    /// How many stiffness values the films identify; `None` without a model.
+    /// How many stiffness values the fit finds, and the films identify where this was tested; `None` without a model.
     pub stiffness: Option<String>,
     /// The line of the model that these sentences are about ([`Analysis::choose_model`]).
     pub kind: Option<LineKind>,
 }
 
 impl Analysis {
-    /// The verdict in short.
+    /// The verdict in short; `identifiability` has one entry per model, where it was computed.
     #[must_use]
-    pub fn headline(&self) -> Headline {
+    pub fn headline(&self, identifiability: Option<&[Option<Identifiability>]>) -> Headline {
         let compared = self.comparison();
         let chosen = self.choose_model();
-        let Some(model) = chosen.and_then(|chosen| self.model(chosen.kind)) else {
+        let place =
+            chosen.and_then(|chosen| self.models.iter().position(|m| m.kind == chosen.kind));
+        let Some((place, model)) = place.map(|place| (place, &self.models[place])) else {
             let line = self.verdict().join(" ");
             return Headline { line, prediction: None, stiffness: None, kind: None };
         };
@@ -36,7 +38,9 @@ impl Analysis {
         Headline {
             line: doubted.or_else(|| self.lines_headline()).unwrap_or_default(),
             prediction: compared.prediction_headline(),
-            stiffness: Some(self.identified_headline(model)),
+            stiffness: Some(
+                self.stiffness_headline(model, identifiability.and_then(|all| all[place].as_ref())),
+            ),
             kind: Some(model.kind),
         }
     }
@@ -71,28 +75,33 @@ impl Analysis {
         (!words.is_empty()).then(|| words.join(" "))
     }
 
-    /// Of how many regions a model's stiffness is identified.
-    fn identified_headline(&self, model: &LineModel) -> String {
+    /// How many stiffness values a model's fit finds and, where this was tested, the films identify.
+    fn stiffness_headline(&self, model: &LineModel, tested: Option<&Identifiability>) -> String {
         let verdicts = model.verdicts(self);
-        let is_known = |found: Identification| {
-            matches!(found, Identification::Absolute | Identification::RatioOnly)
+        let is_found = |(group, verdict): (usize, &MultiplierVerdict)| {
+            let identified = tested.map(|tested| tested.multipliers[group].verdict());
+            verdict.has_value() && identified.is_none_or(|one| one == IntervalVerdict::Interval)
         };
-        let unknown: Vec<String> = model
-            .groups
-            .titles()
-            .zip(&verdicts)
-            .filter(|(_, verdict)| !is_known(verdict.identification))
-            .map(|(name, _)| name)
-            .collect();
-        let (all, kind) = (verdicts.len(), model.kind);
-        match unknown.len() {
-            0 => format!("With the {kind}, all {all} stiffness values are identified as ratios."),
-            n if n == all => format!("With the {kind}, no stiffness value is identified."),
-            n => format!(
-                "With the {kind}, {} of {all} stiffness values are identified as ratios; not identified: {}.",
-                all - n,
-                listed(&unknown)
-            ),
+        let found: Vec<bool> = verdicts.iter().enumerate().map(is_found).collect();
+        let missing = model.groups.titles().zip(&found).filter(|(_, found)| !**found);
+        let missing: Vec<String> = missing.map(|(name, _)| name).collect();
+        let (all, kind) = (found.len(), model.kind);
+        let (who, lack, open) = if tested.is_some() {
+            ("the films identify", "not identified", "")
+        } else {
+            let open = " (not tested)";
+            ("the fit finds", "without a value", open)
+        };
+        match all - missing.len() {
+            0 => format!("With the {kind}, {who} no stiffness value."),
+            n => {
+                let missing = if n == all {
+                    String::new()
+                } else {
+                    format!("; {lack}: {}", listed(&missing))
+                };
+                format!("With the {kind}, {who} {n} of {all} stiffness values{open}{missing}.")
+            }
         }
     }
 }

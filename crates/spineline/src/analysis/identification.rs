@@ -3,18 +3,22 @@
 use super::models::{bending_loads, fit_films, settings_of};
 use super::{Analysis, LineModel};
 use crate::number::mean;
-use crate::personalize::{FitStatus, GroupStiffness, Identifiability, StiffnessBound, identify};
+use crate::personalize::{
+    FitStatus, Gauge, GroupStiffness, Identifiability, StiffnessBound, identify,
+};
 use crate::warning::Warnings;
 
-/// The verdict on a multiplier.
+/// How the fit of a multiplier ended. [`Analysis::identifiability`] tests whether the films identify a fitted value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Identification {
-    /// Absolutely: a force is known.
+pub enum MultiplierEnding {
+    /// A value: a force is known.
     Absolute,
-    /// As a ratio to the other multipliers.
-    RatioOnly,
+    /// A ratio to the other multipliers.
+    Ratio,
     /// The fit ended at a bound, which is not a value.
     AtBound(StiffnessBound),
+    /// All others ended at a bound, and these bounds fix it, also where a force is known.
+    OthersAtBounds,
     /// Most joints that share it turn against the force on the fitted films: no positive stiffness explains them.
     Contradicted,
     /// The fit did not converge.
@@ -24,12 +28,20 @@ pub enum Identification {
 /// A multiplier's verdict and the joints behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MultiplierVerdict {
-    /// The verdict.
-    pub identification: Identification,
+    /// How its fit ended.
+    pub ending: MultiplierEnding,
     /// Joints of the fitted films that turn against the force, a joint once per film.
     pub against: usize,
     /// All joints that share it, a joint once per film.
     pub joints: usize,
+}
+
+impl MultiplierVerdict {
+    /// Whether its fit ended at a value.
+    #[must_use]
+    pub fn has_value(&self) -> bool {
+        matches!(self.ending, MultiplierEnding::Absolute | MultiplierEnding::Ratio)
+    }
 }
 
 impl LineModel {
@@ -38,11 +50,14 @@ impl LineModel {
     /// # Definition
     /// A multiplier is contradicted when more than half of its joints, counted once per fitted film with a usable
     /// simulation, turn against the moment of that film's force ([`crate::evaluate::Simulation::contradicted`]). The worst
-    /// finding counts: not converged, then contradicted, then at a bound.
+    /// finding counts: not converged, then contradicted, then at a bound, then all others at bounds.
     #[must_use]
     pub fn verdicts(&self, analysis: &Analysis) -> Vec<MultiplierVerdict> {
         let films: Vec<_> = self.simulations.iter().filter(|s| s.fitted && s.is_usable()).collect();
         let group_of = self.groups.of_joint();
+        let gauge = analysis.options.gauge;
+        let inside = self.fit.bounds.iter().filter(|&&bound| bound == StiffnessBound::Inside);
+        let is_alone = gauge != Gauge::FrozenForce && inside.count() == 1 && self.groups.len() > 1;
         let verdict = |group: usize| {
             let in_group = |joint: usize| group_of[joint] == group;
             let against = films
@@ -53,18 +68,20 @@ impl LineModel {
                 .count();
             let joints = films.len() * (0..group_of.len()).filter(|&joint| in_group(joint)).count();
             let bound = self.fit.bounds[group];
-            let identification = if self.fit.status != FitStatus::Converged || films.is_empty() {
-                Identification::NotConverged
+            let ending = if self.fit.status != FitStatus::Converged || films.is_empty() {
+                MultiplierEnding::NotConverged
             } else if 2 * against > joints {
-                Identification::Contradicted
+                MultiplierEnding::Contradicted
             } else if bound != StiffnessBound::Inside {
-                Identification::AtBound(bound)
-            } else if self.is_absolute(analysis.options.gauge) {
-                Identification::Absolute
+                MultiplierEnding::AtBound(bound)
+            } else if is_alone {
+                MultiplierEnding::OthersAtBounds
+            } else if self.is_absolute(gauge) {
+                MultiplierEnding::Absolute
             } else {
-                Identification::RatioOnly
+                MultiplierEnding::Ratio
             };
-            MultiplierVerdict { identification, against, joints }
+            MultiplierVerdict { ending, against, joints }
         };
         (0..self.groups.len()).map(verdict).collect()
     }

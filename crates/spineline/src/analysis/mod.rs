@@ -56,7 +56,7 @@ pub use comparison::{
 };
 pub use compatibility::{BendEvidence, Compatibility};
 pub use headline::Headline;
-pub use identification::{Identification, MultiplierVerdict};
+pub use identification::{MultiplierEnding, MultiplierVerdict};
 pub use line_model::LineModel;
 pub(crate) use measured::Replicated;
 pub use models_verdict::ModelsVerdict;
@@ -90,7 +90,7 @@ pub struct Subject {
     pub sex: Option<Sex>,
     /// Age at the films.
     pub age_years: Option<f64>,
-    /// Lenke class as recorded by clinicians, such as `1A`.
+    /// Lenke class as recorded by clinicians, such as `1A`; files allow only [`is_lenke_class`].
     pub lenke: Option<String>,
 }
 
@@ -102,6 +102,18 @@ pub const CASE_ID_RULE: &str = "1 to 64 letters (A to Z, a to z), digits, `.`, `
 pub fn is_case_id(text: &str) -> bool {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"._-".contains(&byte);
     (1..=64).contains(&text.len()) && text.bytes().all(is_plain)
+}
+
+/// Lenke classes, in words.
+pub const LENKE_RULE: &str =
+    "a type from 1 to 6, then A, B or C, then -, N or +, as far as they are known: 1, 1A or 1AN";
+
+/// Whether a text is a Lenke class, by [`LENKE_RULE`].
+#[must_use]
+pub fn is_lenke_class(text: &str) -> bool {
+    let Some(modifiers) = text.strip_prefix(['1', '2', '3', '4', '5', '6']) else { return false };
+    let sagittal = modifiers.strip_prefix(['A', 'B', 'C']).unwrap_or(modifiers);
+    matches!(sagittal, "" | "-" | "N" | "+")
 }
 
 /// The films of one patient.

@@ -14,8 +14,7 @@ use crate::curve::{
 };
 use crate::error::{CaseError, Error};
 use crate::measure::{
-    AxialRotation, FilmReadings, LengthScale, Outline, SpacingPlane, SpatialOutline,
-    axial_rotations,
+    AxialRotation, FilmReadings, LengthScale, Outline, SpatialOutline, axial_rotations,
 };
 use crate::motion::{Motion, SegmentEstimate, least_windows, mean_least};
 use crate::multibody::{FittedSprings, JointGroups, SpineModel, StiffnessLibrary};
@@ -214,7 +213,7 @@ impl Movement {
     /// A film without a spacing, if any: lines and models then lack lengths.
     #[must_use]
     pub fn film_without_scale(&self) -> Option<Posture> {
-        let without = |film: &&FilmMovement| film.outline.scale.plane == SpacingPlane::Pixels;
+        let without = |film: &&FilmMovement| !film.outline.scale.has_millimetres();
         self.films.iter().find(without).map(|film| film.outline.posture)
     }
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Analysis, AxialSource, LineModel, PitchSource};
+use super::{Analysis, AxialSource, LineModel, PitchSource, Reference};
 use crate::action::{Application, LineKind};
 use crate::anatomy::{Level, Levels, Posture};
 use crate::clinical::CurvePlaces;
@@ -14,6 +14,7 @@ use crate::multibody::{
     Support,
 };
 use crate::number::scientific;
+use crate::personalize::TestOutcome;
 use crate::response::{OnSignedPoint, Response, respond, usual_limit};
 use crate::spatial::{Mat3, Vec3};
 
@@ -29,6 +30,8 @@ pub struct PersonalisedModel {
     pub line: LineKind,
     /// Whether forces and springs are absolute; else only their ratios are meaningful.
     pub absolute: bool,
+    /// Mass of the body whose trunk the springs carry in the erect shape ([`Reference`]); `None` where they carry nothing.
+    pub carried_body_mass_kg: Option<f64>,
     /// The vertebrae, the fixed one first.
     pub levels: Vec<Level>,
     /// Where pitch and depth of each come from, in their order; `None` where that is not stated.
@@ -37,7 +40,7 @@ pub struct PersonalisedModel {
     pub axial_from: Vec<Option<AxialSource>>,
     /// Width of each body between its corners on the erect film; `None` where it is not known.
     pub widths_mm: Vec<Option<f64>>,
-    /// Vertebrae and joints, erect and unloaded.
+    /// Vertebrae and joints, erect.
     pub spine: SpineModel,
     /// Springs of every joint about x, y and z.
     pub stiffness_nmm_per_rad: Vec<[f64; 3]>,
@@ -49,6 +52,8 @@ pub struct PersonalisedModel {
     pub support: Support,
     /// Loads that were found, one per simulated posture; empty where the erect film alone carries the weight of the trunk.
     pub loads: Vec<FilmLoad>,
+    /// What the films say against this model, in sentences.
+    pub doubts: Vec<String>,
 }
 
 /// The force on the uppermost vertebra that a model needs for a film.
@@ -100,6 +105,10 @@ impl Analysis {
             synthetic: self.synthetic,
             line: line.kind,
             absolute: line.is_absolute(self.options.gauge),
+            carried_body_mass_kg: match self.options.reference {
+                Reference::Unloaded => None,
+                Reference::Loaded { body_mass_kg } => Some(body_mass_kg),
+            },
             levels: levels.to_vec(),
             pitch_from: levels.iter().map(|&level| Some(self.pitch_source(level))).collect(),
             axial_from: levels.iter().map(|&level| Some(self.axial_source(level))).collect(),
@@ -110,7 +119,24 @@ impl Analysis {
             curves: Some(movement.curve_places()),
             support: self.options.support,
             loads: self.film_loads(line),
+            doubts: self.doubts(line),
         }
+    }
+
+    /// What the films say against the model of a line.
+    fn doubts(&self, line: &LineModel) -> Vec<String> {
+        let rejected = self.compatibility(line).outcome() == TestOutcome::Rejected;
+        let rejected = rejected.then(|| {
+            format!(
+                "the bends reject a single force along the {}, with which its stiffness was fitted",
+                line.kind
+            )
+        });
+        let verdicts = line.groups.titles().zip(line.verdicts(self));
+        let without_value = verdicts.filter(|(_, verdict)| !verdict.has_value());
+        let stiffness =
+            without_value.map(|(name, verdict)| format!("stiffness, {name}: {verdict}"));
+        rejected.into_iter().chain(stiffness).collect()
     }
 
     /// Loads of the films; empty where the springs are stressed on the erect film alone.

@@ -148,7 +148,7 @@ const fn force_words(kind: LineKind) -> &'static str {
 const fn what_kept_means(kind: LineKind) -> &'static str {
     match kind {
         LineKind::Iliac => {
-            "The films are consistent with a horizontal load, and cannot tell a force at T2 from a distributed load."
+            "The films are consistent with a horizontal load, and cannot tell a force at the top vertebra from a distributed load."
         }
         LineKind::Inflection | LineKind::Given | LineKind::Estimated => {
             "This does not prove such a force."

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Analysis, Identification, LineModel, MultiplierVerdict};
+use super::{Analysis, LineModel, MultiplierEnding, MultiplierVerdict};
 use crate::anatomy::{Posture, Side};
 use crate::clinical::ClinicalCurve;
 use crate::curve::{Inflection, InflectionInterval};
@@ -54,9 +54,8 @@ impl Analysis {
         interval: Option<Option<&InflectionInterval>>,
     ) -> String {
         let scale = self.movement.scale();
-        let (below, above) = inflection.between;
         let along_mm = self.movement.erect().fit.curve.length_mm(inflection.t_mm);
-        let place = format!("{below}/{above} at {}", scale.text(along_mm, 0));
+        let place = format!("{} at {}", inflection.place(), scale.text(along_mm, 0));
         let mm = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
         match interval {
             None => place,
@@ -106,7 +105,7 @@ impl Analysis {
         let missing: Vec<_> = missing.iter().map(Posture::to_string).collect();
         match movement.lenke {
             Some(lenke) => format!(
-                "Lenke type {} (frontal films: no kyphosis, no modifiers)",
+                "Lenke type {} (by frontal films alone, no modifiers)",
                 lenke.number
             ),
             None if !missing.is_empty() => {
@@ -228,24 +227,27 @@ impl Analysis {
 
 impl fmt::Display for MultiplierVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { identification, against, joints } = self;
-        match identification {
-            Identification::Absolute => f.write_str("identified, because a force is known"),
-            Identification::RatioOnly => f.write_str(
-                "identified only as a ratio to the others: bending films do not measure force",
-            ),
-            Identification::AtBound(bound) => {
+        let Self { ending, against, joints } = self;
+        match ending {
+            MultiplierEnding::Absolute => f.write_str("fitted, because a force is known"),
+            MultiplierEnding::Ratio => {
+                f.write_str("fitted as a ratio to the others: bending films do not measure force")
+            }
+            MultiplierEnding::OthersAtBounds => {
+                f.write_str("no value: all others reached their limits, and these fix it")
+            }
+            MultiplierEnding::AtBound(bound) => {
                 let better = if *bound == StiffnessBound::Lower { "softer" } else { "stiffer" };
                 write!(
                     f,
                     "reached its limit: the data favour a {better} value, so it is not identified"
                 )
             }
-            Identification::Contradicted => write!(
+            MultiplierEnding::Contradicted => write!(
                 f,
                 "{against} of {joints} joints on the fitted films turn against the force: no positive stiffness explains them"
             ),
-            Identification::NotConverged => f.write_str("no value: the fit did not converge"),
+            MultiplierEnding::NotConverged => f.write_str("no value: the fit did not converge"),
         }
     }
 }

@@ -207,7 +207,7 @@ impl BaselinesOverPatients {
         let with_tilt: Vec<String> = with_tilt.iter().map(words).collect();
         if !with_tilt.is_empty() {
             all.push(format!(
-                "No line is compared with predictions that know T2's tilt, since a line knows T2's location alone: {}.",
+                "No line is compared with predictions that know the tilt of the top vertebra, since a line knows its location alone: {}.",
                 listed(&with_tilt)
             ));
         }
@@ -257,7 +257,6 @@ impl BaselinesOverPatients {
 
 /// A line beside the best prediction without mechanics: whether it is better or worse, or neither.
 fn line_sentence(test: &BaselineTest) -> Option<String> {
-    let [low, high] = test.comparison.bootstrap?;
     let difference = test.comparison.mean_difference;
     let sense = if difference < 0.0 { "smaller" } else { "larger" };
     let verdict = match test.outcome() {
@@ -267,13 +266,11 @@ fn line_sentence(test: &BaselineTest) -> Option<String> {
         ComparisonOutcome::NotTested => return None,
     };
     Some(format!(
-        "There the {} {verdict} {}: its error is {sense} by {} mm (line minus baseline, 95 % interval over {} patients {} to {} mm; p {} after Holm's correction).",
+        "There the {} {verdict} {}: its error is {sense} by {} mm (line minus baseline, {}; p {} after Holm's correction).",
         test.model,
         test.baseline,
         fixed(difference.abs(), 1),
-        test.comparison.patients(),
-        fixed(low, 1),
-        fixed(high, 1),
+        test.comparison.patients_words(1.0),
         probability(test.holm_p?)
     ))
 }

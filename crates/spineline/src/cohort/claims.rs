@@ -37,7 +37,7 @@ pub struct PatientClaims {
     pub films_with_line: usize,
     /// Vertebrae whose midpoint moves against the force along the iliac line, one number per bend.
     pub against_force: Vec<f64>,
-    /// Mean over films of the curves' residuals: locations in mm, tilts in degrees.
+    /// Mean over films of the curves' residuals: locations in mm, NaN without a scale, and tilts in degrees.
     pub residuals: [f64; 2],
     /// Mean order of the curves.
     pub order: f64,
@@ -65,8 +65,8 @@ impl PatientClaims {
         let chance = windows.map(|(from, to)| {
             ((2 * NEAR_SEGMENTS + 1) as f64 / (to.saturating_sub(from) + 1) as f64).min(1.0)
         });
-        let of_films = |value: &dyn Fn(&crate::curve::CurveFit) -> f64| {
-            mean(analysis.movement.films.iter().map(|p| value(&p.fit))).unwrap_or(f64::NAN)
+        let of_films = |value: &dyn Fn(&FilmMovement) -> Option<f64>| {
+            mean(analysis.movement.films.iter().filter_map(value)).unwrap_or(f64::NAN)
         };
         Self {
             third_points_deg: with_line.iter().filter_map(|film| third_point_deg(film)).collect(),
@@ -78,8 +78,11 @@ impl PatientClaims {
             mean_rotation_deg: mean(all),
             fitted_mm: both_lines(analysis, true),
             held_out_mm: both_lines(analysis, false),
-            residuals: [of_films(&|fit| fit.rmse_mm), of_films(&|fit| fit.rmse_tilt.deg())],
-            order: of_films(&|fit| fit.order as f64),
+            residuals: [
+                of_films(&|film| film.outline.scale.mm(film.fit.rmse_mm)),
+                of_films(&|film| Some(film.fit.rmse_tilt.deg())),
+            ],
+            order: of_films(&|film| Some(film.fit.order as f64)),
         }
     }
 
@@ -189,7 +192,7 @@ pub struct Claims {
     pub rotations_deg: [f64; 2],
     /// Claim 2: by which part of it the rotation of the inflections lies below the mean rotation, with a bootstrap interval.
     pub below_mean: f64,
-    /// Interval of [`Claims::below_mean`]; `None` for fewer than two patients.
+    /// Interval of [`Claims::below_mean`]; `None` for fewer than six patients.
     pub below_mean_interval: Option<[f64; 2]>,
     /// Claim 3: share of patients whose fitted films have a smaller mean location error with the inflection line than with
     /// the iliac line.
@@ -270,12 +273,15 @@ impl Claims {
             ],
             third_points_deg: pooled(&|p| &p.third_points_deg),
             against_force: pooled(&|p| &p.against_force),
-            residuals: [0, 1].map(|i: usize| Summary::of(&all(&|p| Some(p.residuals[i]))).mean),
+            residuals: [0, 1].map(|i: usize| {
+                Summary::of(&all(&|p| Some(p.residuals[i]).filter(|one| one.is_finite()))).mean
+            }),
             order: Summary::of(&all(&|p| Some(p.order))).mean,
         }
     }
 
-    /// The three verdicts; `None` for fewer than two patients, since one patient says nothing about others.
+    /// The three verdicts; `None` for fewer than two patients, since one patient says nothing about others, and for claim 2 of
+    /// fewer than six ([`Resampling::FEWEST`]).
     #[must_use]
     pub fn verdicts(&self) -> [Option<ClaimVerdict>; 3] {
         let share = |share: &Share, limit: f64| {

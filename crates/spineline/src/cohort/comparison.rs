@@ -18,9 +18,6 @@ named! {
     }
 }
 
-/// With fewer patients a sign-flip test never reaches 5 %, and a percentile interval is too narrow to decide.
-const MIN_PATIENTS: usize = 6;
-
 /// Two samples of the same things, one value of each per thing.
 ///
 /// The pooled test is the paper's and takes vertebrae of one patient for independent, so its `p` is far too small. All else
@@ -35,7 +32,8 @@ pub struct PairedComparison {
     pub patients: Option<PairedT>,
     /// Chance: a permutation test over one mean difference per patient.
     pub sign_flip: Option<SignFlip>,
-    /// 95 % percentile interval of the mean difference, resampling patients. With fewer than twenty it is somewhat narrow.
+    /// 95 % percentile interval of the mean difference, resampling patients; `None` of fewer than
+    /// [`Resampling::FEWEST`](crate::evaluate::statistics::Resampling::FEWEST). With fewer than twenty it is somewhat narrow.
     pub bootstrap: Option<[f64; 2]>,
     /// Mean over the deviation of the patients' differences.
     pub effect: Option<EffectSize>,
@@ -72,8 +70,7 @@ impl PairedComparison {
     #[must_use]
     pub fn outcome(&self, holm_p: Option<f64>) -> ComparisonOutcome {
         let is_larger = self.mean_difference > 0.0;
-        let is_clearly_larger =
-            self.patients() >= MIN_PATIENTS && self.bootstrap.is_some_and(|[low, _]| low > 0.0);
+        let is_clearly_larger = self.bootstrap.is_some_and(|[low, _]| low > 0.0);
         match TestOutcome::of(holm_p) {
             TestOutcome::NotTested => ComparisonOutcome::NotTested,
             TestOutcome::Rejected if !is_larger => ComparisonOutcome::Better,
@@ -99,16 +96,12 @@ mod tests {
 
     #[test]
     fn a_larger_error_with_a_whole_interval_above_zero_is_worse() {
-        let of_patients = |patients: usize, mean_difference, interval, holm_p| {
-            let differences = vec![mean_difference; patients];
+        let outcome = |mean_difference, interval, holm_p| {
+            let differences = [mean_difference; 6];
             let pooled = Summary::of(&differences);
             let one = PairedComparison::of_differences(pooled, &differences, Some(interval), 0);
             one.outcome(holm_p)
         };
-        let outcome = |mean, interval, holm_p| of_patients(6, mean, interval, holm_p);
-        // Of three patients, an interval decides nothing.
-        let few = of_patients(3, 2.5, [0.7, 4.7], Some(0.3));
-        assert_eq!(few, ComparisonOutcome::NoDifference);
         assert_eq!(outcome(2.5, [0.7, 4.7], Some(0.3)), ComparisonOutcome::Worse);
         assert_eq!(outcome(2.5, [0.7, 4.7], Some(0.01)), ComparisonOutcome::Worse);
         assert_eq!(outcome(2.5, [-0.1, 4.7], Some(0.3)), ComparisonOutcome::NoDifference);

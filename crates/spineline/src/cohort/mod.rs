@@ -11,6 +11,7 @@ mod baselines;
 mod claims;
 mod comparison;
 mod films;
+mod known_patients;
 mod lines;
 mod numbers;
 mod others;
@@ -26,6 +27,7 @@ pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::{ComparisonOutcome, PairedComparison};
 pub use films::{ChainCount, DoubtedFilm};
+pub use known_patients::{KnownPatients, PatientMarks, SamePatient};
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, RoleErrors};
 pub use outcomes::{LineOutcomes, OutcomeCounts};
 pub use patient::{CohortPatient, NoResult};
@@ -101,6 +103,8 @@ pub struct Cohort {
     pub table_2: [PairedComparison; 4],
     /// Patients whose erect curve has exactly two inflections.
     pub two_inflections: usize,
+    /// Patients with a film without a scale, which does not count in lengths.
+    pub without_scale: usize,
     /// By line of action that was modelled: joints per fitted film that turn against the force.
     pub contradicted: Vec<(LineKind, Clustered)>,
     /// The lines on the same films, bends left out among them, with every test between them.
@@ -171,8 +175,8 @@ impl Cohort {
     pub fn by(all: &[CohortPatient], seed: u64, workers: &dyn Workers) -> Self {
         let resampling = Resampling::new(RESAMPLES, seed);
         let patients = Patients::new(all, resampling, workers);
-        let mean = |value: fn(&CohortPatient) -> f64| -> Summary {
-            Summary::of(&all.iter().map(value).collect::<Vec<f64>>())
+        let mean = |value: fn(&CohortPatient) -> Option<f64>| -> Summary {
+            Summary::of(&all.iter().filter_map(value).collect::<Vec<f64>>())
         };
         let [rmse_mm, rmse_deg, least_rotation_deg] = of_films(&patients);
         let [on_all, on_bends, on_others, mean_on_bends, mean_on_others] = estimates(&patients);
@@ -185,8 +189,8 @@ impl Cohort {
         Self {
             patients: all.len(),
             synthetic: all.iter().any(|patient| patient.synthetic),
-            segments: mean(|patient| patient.segments as f64),
-            segment_mm: mean(|patient| patient.segment_mm),
+            segments: mean(|patient| Some(patient.segments as f64)),
+            segment_mm: mean(|patient| patient.films[0].has_scale.then_some(patient.segment_mm)),
             rmse_mm,
             rmse_deg,
             rotation_deg: Clustered::of(&rotations, &resampling),
@@ -198,6 +202,7 @@ impl Cohort {
             mean_least: [mean_on_bends, mean_on_others],
             table_2: table_2(&patients),
             two_inflections: all.iter().filter(|patient| patient.inflections == 2).count(),
+            without_scale: all.iter().filter(|patient| !patient.has_scale()).count(),
             contradicted: contradicted(&patients, &kinds),
             baselines: BaselinesOverPatients::of(all, &patients, &kinds),
             compared,
@@ -224,7 +229,7 @@ fn least_rotations(film: &PatientFilm, values: &mut Vec<f64>) {
 /// Residuals of the curves' locations and tilts, and the least rotations.
 fn of_films(patients: &Patients<'_>) -> [Clustered; 3] {
     let values: [fn(&PatientFilm, &mut Vec<f64>); 3] = [
-        |film, values| values.push(film.rmse_mm),
+        |film, values| values.extend(film.has_scale.then_some(film.rmse_mm)),
         |film, values| values.push(film.rmse_deg),
         least_rotations,
     ];
@@ -260,7 +265,8 @@ fn estimates(patients: &Patients<'_>) -> [EstimateStatistics; 5] {
     let add = |seen: &Seen<'_>, sample: &Sample, values: &mut Vec<f64>| {
         let (films, of, value) = sample;
         let films = seen.patient.films.iter().filter(|film| films.has(film));
-        values.extend(films.filter_map(of).flatten().map(value));
+        let found = films.filter_map(of).flatten().map(value);
+        values.extend(found.filter(|value| !value.is_nan()));
     };
     let found = patients.clustered(samples.as_flattened(), add);
     std::array::from_fn(|set| {

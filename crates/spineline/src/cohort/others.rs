@@ -34,7 +34,8 @@ impl<'a> Seen<'a> {
         let mut found: Vec<(u8, BaselinePrediction)> = Vec::new();
         for place in FilmRole::PREDICTED.into_iter().flat_map(|role| patient.places(role)) {
             let posture = patient.compared[usize::from(place)].0;
-            let Some(film) = patient.film_from_top(posture) else { continue };
+            let film = patient.film_from_top(posture).filter(|_| patient.has_lengths(posture));
+            let Some(film) = film else { continue };
             let from_mean =
                 mean.map(|mean| film.by_pattern(Baseline::OtherPatients, mean, &patient.links));
             found.extend(from_mean.map(|one| (place, one)));

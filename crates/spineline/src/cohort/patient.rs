@@ -5,12 +5,13 @@ use super::numbers::Numbers;
 use crate::action::LineKind;
 use crate::analysis::{
     Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, LineModel, LinesCompared,
-    ferguson_errors_deg,
+    Movement, ferguson_errors_deg,
 };
 use crate::anatomy::{Levels, Posture, named};
 use crate::evaluate::statistics::Summary;
 use crate::evaluate::{Baseline, BendRotations, FilmFromTop, Links, Simulation, joint_rotations};
 use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
+use crate::measure::LengthScale;
 use crate::motion::SegmentEstimate;
 use crate::multibody::PathEnding;
 use crate::personalize::TestOutcome;
@@ -50,7 +51,7 @@ pub struct CohortPatient {
     pub(super) same_data: bool,
     /// Every film once per role.
     pub(super) compared: Box<[(Posture, FilmRole)]>,
-    /// By place of the film in `compared` and line: why there are no errors.
+    /// By place of the film in `compared` and line: why the errors are missing.
     missing: Box<[Missing]>,
     /// By place of the film in `compared` and line ([`FilmErrors`]).
     errors: Numbers<(u8, LineKind)>,
@@ -67,6 +68,8 @@ pub(super) struct PatientFilm {
     pub posture: Posture,
     /// Whether its movement from the erect film is known.
     pub has_motion: bool,
+    /// Without a scale its lengths belong to a typical spine, and do not count.
+    pub has_scale: bool,
     pub rmse_mm: f64,
     pub rmse_deg: f64,
     pub least_rotations_deg: Option<[f64; 2]>,
@@ -78,6 +81,7 @@ pub(super) struct PatientFilm {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Estimate {
     pub distance_segments: f64,
+    /// On the erect film; NaN where this has no scale.
     pub distance_mm: f64,
     pub rotation_deg: f64,
 }
@@ -159,7 +163,7 @@ impl CohortPatient {
             inflections: movement.inflections.all.len(),
             doubts: DoubtedFilm::of(analysis).into(),
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
-            films: movement.films.iter().map(PatientFilm::of).collect(),
+            films: movement.films.iter().map(|film| PatientFilm::of(film, movement)).collect(),
             links: Links::of(erect),
             from_top: moved.clone().map(|film| FilmFromTop::of(erect, film)).collect(),
             bends: moved
@@ -195,6 +199,18 @@ impl CohortPatient {
     #[must_use]
     pub const fn has_doubted_film(&self) -> bool {
         !self.doubts.is_empty()
+    }
+
+    /// Whether all its films have a scale.
+    pub(super) fn has_scale(&self) -> bool {
+        self.films.iter().all(|film| film.has_scale)
+    }
+
+    /// Whether both the erect film and this one have a scale, so that locations on it are predicted in millimetres.
+    pub(super) fn has_lengths(&self, posture: Posture) -> bool {
+        let mut both =
+            self.films.iter().filter(|film| [Posture::Erect, posture].contains(&film.posture));
+        both.all(|film| film.has_scale)
     }
 
     /// Every bend as if it were to the right.
@@ -238,7 +254,7 @@ impl CohortPatient {
         })
     }
 
-    /// Films of a role with a shape under a line that is no result.
+    /// Films of a role whose shape under a line does not count as a result.
     pub(super) fn unusable(&self, role: FilmRole, kind: LineKind) -> usize {
         let why = self.places(role).filter_map(|film| self.result(film, kind).err());
         why.filter(|why| !matches!(why, NoResult::NoModel | NoResult::NoLine)).count()
@@ -282,7 +298,7 @@ fn result_on(
     }
 }
 
-/// Every film under every line, by place of the film: why there is no result, and the errors of a result.
+/// Every film under every line, by place of the film: why the result is missing, and the errors of a result.
 fn under_lines(
     compared: &LinesCompared,
     models: &[LineModel],
@@ -358,14 +374,15 @@ fn tested_bends(analysis: &Analysis) -> Box<[(LineKind, TestOutcome)]> {
 }
 
 impl PatientFilm {
-    fn of(film: &FilmMovement) -> Self {
+    fn of(film: &FilmMovement, movement: &Movement) -> Self {
         let motion = film.motion.as_ref();
         let estimates = |all: &Option<[SegmentEstimate; 2]>| {
-            all.as_ref().map(|e| e.each_ref().map(Estimate::of))
+            all.as_ref().map(|e| e.each_ref().map(|one| Estimate::of(one, movement.scale())))
         };
         Self {
             posture: film.outline.posture,
             has_motion: motion.is_some(),
+            has_scale: film.outline.scale.has_millimetres(),
             rmse_mm: film.fit.rmse_mm,
             rmse_deg: film.fit.rmse_tilt.deg(),
             least_rotations_deg: motion.map(|m| m.least.map(|k| m.rotations[k].deg())),
@@ -376,10 +393,10 @@ impl PatientFilm {
 }
 
 impl Estimate {
-    fn of(estimate: &SegmentEstimate) -> Self {
+    fn of(estimate: &SegmentEstimate, erect: &LengthScale) -> Self {
         Self {
             distance_segments: estimate.distance_segments as f64,
-            distance_mm: estimate.distance_mm,
+            distance_mm: erect.mm(estimate.distance_mm).unwrap_or(f64::NAN),
             rotation_deg: estimate.rotation.deg(),
         }
     }

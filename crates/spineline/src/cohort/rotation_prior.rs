@@ -4,7 +4,7 @@ use super::others::Others;
 use super::{Clustered, CohortPatient, RESAMPLES};
 use crate::anatomy::Levels;
 use crate::evaluate::statistics::{Resampling, Summary};
-use crate::evaluate::{Baseline, BendRotations, RotationPrior, RotationPriorError};
+use crate::evaluate::{Baseline, BendRotations, FilmFromTop, RotationPrior, RotationPriorError};
 
 /// A prior of joint rotations, and how well such priors predict.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +68,9 @@ fn common_levels(patients: &[CohortPatient]) -> Option<Levels> {
 }
 
 fn errors_mm(patient: &CohortPatient, baseline: Baseline, prior: &RotationPrior) -> Vec<f64> {
-    let bends = patient.from_top.iter().filter(|film| film.posture.bend().is_some());
+    let is_bend =
+        |film: &&FilmFromTop| film.posture.bend().is_some() && patient.has_lengths(film.posture);
+    let bends = patient.from_top.iter().filter(is_bend);
     let predicted = bends.map(|film| film.by_prior(baseline, prior, &patient.links));
     let usable = predicted.filter(crate::evaluate::BaselinePrediction::is_usable);
     usable.flat_map(|found| found.shape.location_errors_mm).collect()

@@ -30,6 +30,12 @@ impl Cohort {
     pub fn verdict(&self) -> Vec<String> {
         let mut all = Vec::new();
         all.extend(doubted_sentence(&self.doubted_films, self.doubted, self.patients));
+        all.extend((self.without_scale > 0).then(|| {
+            format!(
+                "Films of {} of {} patients have no scale: they do not count in lengths and location errors.",
+                self.without_scale, self.patients
+            )
+        }));
         all.extend(chains_sentence(&self.chains));
         all.extend(self.outcomes.iter().flat_map(LineOutcomes::sentences));
         all.extend(self.compared.sentences());
@@ -91,7 +97,7 @@ impl LinesOverPatients {
             let least = 2.0_f64.powi(1 - test.comparison.patients() as i32);
             test.holm_p.is_some() && least * family as f64 >= SIGNIFICANCE
         };
-        let differences: Vec<String> = predicted().filter(too_few).filter_map(difference).collect();
+        let differences: Vec<String> = predicted().filter(too_few).map(difference).collect();
         if !differences.is_empty() {
             all.push(format!(
                 "Too few patients for any p to be significant after the correction; the differences, without statistical evidence: {}.",
@@ -165,20 +171,16 @@ impl LinesOverPatients {
 }
 
 /// The excess of the error of one line over another's, in words.
-fn difference(test: &LinePairTest) -> Option<String> {
-    let [low, high] = test.comparison.bootstrap?;
+fn difference(test: &LinePairTest) -> String {
     let [first, second] = test.lines;
     let mean = test.comparison.mean_difference;
-    let (more, less, low, high) =
-        if mean > 0.0 { (first, second, low, high) } else { (second, first, -high, -low) };
-    Some(format!(
-        "on {} the error of the {more} is {} mm larger than the error of the {less} (95 % interval over {} patients {} to {} mm)",
+    let (more, less) = if mean > 0.0 { (first, second) } else { (second, first) };
+    format!(
+        "on {} the error of the {more} is {} mm larger than the error of the {less} ({})",
         films_words(test.role),
         fixed(mean.abs(), 1),
-        test.comparison.patients(),
-        fixed(low, 1),
-        fixed(high, 1)
-    ))
+        test.comparison.patients_words(mean.signum())
+    )
 }
 
 const fn films_words(role: FilmRole) -> &'static str {
@@ -234,20 +236,34 @@ impl PairedComparison {
         )
     }
 
+    /// How many patients, and the 95 % interval of the difference, or of its negative, where they are enough.
+    pub(super) fn patients_words(&self, sign: f64) -> String {
+        let patients = self.patients();
+        self.bootstrap.map_or_else(
+            || format!("{patients} patients"),
+            |[low, high]| {
+                let [a, b] = [sign * low, sign * high];
+                let ends = interval([a.min(b), a.max(b)], 1);
+                format!("95 % interval over {patients} patients {ends} mm")
+            },
+        )
+    }
+
     /// The numbers over one mean difference per patient in words: interval, chance and effect.
     #[must_use]
     pub fn patient_words(&self, unit: &str) -> String {
-        let (Some(test), Some([low, high])) = (self.sign_flip, self.bootstrap) else {
+        let Some(test) = self.sign_flip else {
             return "too few patients to test".to_owned();
         };
+        let spread = self.bootstrap.map_or_else(String::new, |ends| {
+            format!(", 95 % {} by bootstrap over patients", interval(ends, 3))
+        });
         let effect = self.effect.map_or_else(String::new, |effect| {
             format!("; effect d {}, 95 % {}", fixed(effect.d, 2), interval(effect.interval, 2))
         });
         format!(
-            "{} {unit}, 95 % {} to {} by bootstrap over patients, p {} (sign-flip test{}, {} patients){effect}",
+            "{} {unit}{spread}, p {} (sign-flip test{}, {} patients){effect}",
             signed(self.mean_difference, 3),
-            fixed(low, 3),
-            fixed(high, 3),
             probability(test.p_two_sided),
             if test.exact { ", exact" } else { "" },
             test.n

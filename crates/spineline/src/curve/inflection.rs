@@ -25,6 +25,17 @@ pub struct Inflection {
     pub erect: Frontal,
     /// The vertebrae between which it lies, caudal first.
     pub between: (Level, Level),
+    /// The vertebra at whose midpoint a user put it.
+    pub vertebra: Option<Level>,
+}
+
+impl Inflection {
+    /// The vertebra at whose midpoint it was put, or the two between which it lies.
+    #[must_use]
+    pub fn place(&self) -> String {
+        let (below, above) = self.between;
+        self.vertebra.map_or_else(|| format!("{below}/{above}"), |level| level.to_string())
+    }
 }
 
 /// The inflections of one spine curve, and the curves between them.
@@ -97,7 +108,12 @@ impl Inflections {
     /// Puts the pair where the user has pointed.
     #[must_use]
     pub fn picked(mut self, fit: &CurveFit, sites: [Site; 2]) -> Self {
-        let mut pair = sites.map(|site| inflection_at(fit, fit.site_mm(site)));
+        let mut pair = sites.map(|site| {
+            let is_vertebra =
+                site.inferior == site.superior && fit.levels.index_of(site.inferior).is_some();
+            let vertebra = is_vertebra.then_some(site.inferior);
+            Inflection { vertebra, ..inflection_at(fit, fit.site_mm(site)) }
+        });
         pair.sort_by(|a, b| a.t_mm.total_cmp(&b.t_mm));
         self.pair = Some(pair);
         self
@@ -126,7 +142,8 @@ impl CurveFit {
 fn inflection_at(fit: &CurveFit, t_mm: f64) -> Inflection {
     let levels = fit.levels.as_slice();
     let above = fit.vertebra_t_mm.iter().position(|&t| t > t_mm).unwrap_or(levels.len() - 1).max(1);
-    Inflection { t_mm, erect: fit.curve.point(t_mm), between: (levels[above - 1], levels[above]) }
+    let between = (levels[above - 1], levels[above]);
+    Inflection { t_mm, erect: fit.curve.point(t_mm), between, vertebra: None }
 }
 
 /// Parameters at which the curvature changes its sign, to 1e-10 of the curve's length.

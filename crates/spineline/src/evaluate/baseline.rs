@@ -25,9 +25,9 @@ named! {
         /// The distribution of joint rotations over the bends of other patients.
         RotationPrior = "rotation_prior" as "distribution of rotations",
         /// The distribution of joint rotations and, unlike all others, the tilt of T2 on the film.
-        RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations with T2's tilt",
+        RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations with tilt",
         /// No spine: a cubic from L4 to T2 with the tilts of both, each vertebra at its part of the length on the erect film.
-        Cubic = "cubic" as "cubic from L4 to T2 with T2's tilt",
+        Cubic = "cubic" as "cubic curve with tilts of both ends",
     }
 }
 

@@ -181,7 +181,7 @@ fn central_95(mut values: Vec<f64>) -> [f64; 2] {
 ///
 /// Every resample draws as many clusters as there are, with replacement, and takes the mean of the cluster means, so
 /// that a patient counts once however many values there are. Which clusters it draws is the same for all samples of as many
-/// clusters. `None` for fewer than two clusters.
+/// clusters. `None` for fewer than [`Resampling::FEWEST`] clusters.
 #[derive(Debug, Clone, Copy)]
 pub struct Resampling {
     resamples: u32,
@@ -191,6 +191,9 @@ pub struct Resampling {
 impl Resampling {
     /// Resamples whose sums grow side by side, so that no addition waits for the one before.
     const AT_ONCE: usize = 8;
+    /// Fewest clusters with an interval (assumption): of two it would hold the true mean in half of all samples, and with fewer than six a
+    /// sign-flip test never reaches 5 %.
+    pub const FEWEST: usize = 6;
 
     /// With a number of resamples and a seed.
     #[must_use]
@@ -217,7 +220,7 @@ impl Resampling {
         let mut sizes: Vec<usize> = samples.iter().map(|means| means.len()).collect();
         sizes.sort_unstable();
         sizes.dedup();
-        for n in sizes.into_iter().filter(|&n| n > 1) {
+        for n in sizes.into_iter().filter(|&n| n >= Self::FEWEST) {
             let alike: Vec<usize> = (0..samples.len()).filter(|&i| samples[i].len() == n).collect();
             let means: Vec<&[f64]> = alike.iter().map(|&i| samples[i]).collect();
             for (&place, sums) in alike.iter().zip(self.sums(&means, n)) {
@@ -232,7 +235,7 @@ impl Resampling {
     #[must_use]
     pub fn ratio_interval(&self, above: &[f64], below: &[f64]) -> Option<[f64; 2]> {
         let n = above.len();
-        if n < 2 || below.len() != n {
+        if n < Self::FEWEST || below.len() != n {
             return None;
         }
         let sums = self.sums(&[above, below], n);
@@ -404,6 +407,7 @@ mod tests {
         // Normal theory for the mean of 0..19: 9.5 ± 1.96 * 5.77 / sqrt(20), about 7.0 to 12.0.
         assert!((interval[0] - 7.0).abs() < 0.4 && (interval[1] - 12.0).abs() < 0.4);
         assert_eq!(Some(interval), Resampling::new(2000, 7).interval(&means));
+        assert_eq!(Resampling::new(2000, 7).interval(&means[..Resampling::FEWEST - 1]), None);
         // Drawn together with others, a sample has the interval that it has alone.
         let turned: Vec<f64> = means.iter().map(|mean| -mean).collect();
         let resampling = Resampling::new(2001, 7);

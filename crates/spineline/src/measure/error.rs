@@ -116,6 +116,15 @@ faults! {
             /// Reading.
             id: ReadingId,
         },
+        /// A reading with the repeat 0.
+        #[error("the repeat of a reading of observer {} is {}, and must be 1 or more", id.observer, id.repeat)]
+        #[code("repeat")]
+        #[help("number the repeats of every observer from 1")]
+        #[at(value = f64::from(id.repeat), limit = 1.0)]
+        Repeat {
+            /// Reading.
+            id: ReadingId,
+        },
         /// A reading whose observer is not a code.
         #[error("the observer of a reading is `{}` (repeat {}), and must be {OBSERVER_RULE}", id.observer, id.repeat)]
         #[code("observer")]

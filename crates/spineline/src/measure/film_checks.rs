@@ -75,13 +75,16 @@ pub(super) fn check_readings<T>(
     check_observers(posture.into(), readings)
 }
 
-/// Every reading has an observer that is a code, and no reading has the observer and repeat of an earlier one.
+/// Every reading has an observer that is a code and a repeat from 1, and both together name one reading only.
 pub(super) fn check_observers<T>(
     film: FilmView,
     readings: &[Reading<T>],
 ) -> Result<(), MeasureError> {
     if let Some(one) = readings.iter().find(|one| !is_observer_code(&one.id.observer)) {
         return Err(MeasureFault::Observer { id: one.id.clone() }.at(film));
+    }
+    if let Some(one) = readings.iter().find(|one| one.id.repeat == 0) {
+        return Err(MeasureFault::Repeat { id: one.id.clone() }.at(film));
     }
     let mut seen = BTreeSet::new();
     match readings.iter().find(|one| !seen.insert(&one.id)) {

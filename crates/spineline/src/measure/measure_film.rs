@@ -19,6 +19,10 @@ use crate::number::fixed;
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
 
+/// Angle between the iliac line and the lowest vertebra of the model, above which the crests are doubted: the few segments
+/// between them bend by less (assumption).
+const MAX_ILIAC_ANGLE: Angle = Angle::from_deg(40.0);
+
 /// Measures one film: every reading, their mean, and the global frame.
 ///
 /// Locations are in mm in the global frame `G`: origin at L4's midpoint, +Z cranial along L4's axis, +Y to the patient's
@@ -86,11 +90,17 @@ pub(crate) fn outline_of(
     let vertebrae = vertebrae_of(posture, levels, &in_global, &noise)?;
     warn_of_interpolated(posture, &vertebrae, &scale, warnings);
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
-    if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > Angle::from_deg(60.0)) {
+    if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > MAX_ILIAC_ANGLE) {
+        let why = if normal.abs() > Angle::from_deg(90.0) {
+            "the left and right crests may be exchanged"
+        } else {
+            "check the tips of both crests"
+        };
         let text = format!(
-            "the angle between the iliac line and {} is {}: the left and right crests may be exchanged",
+            "the angle between the iliac line and {} is {} (limit {}): {why}",
             levels.base(),
-            normal.abs().text(0)
+            normal.abs().text(0),
+            MAX_ILIAC_ANGLE.text(0)
         );
         warnings.film(WarningCode::IliacLineUnusual, posture, text);
     }

@@ -170,6 +170,12 @@ impl LengthScale {
         Self { plane, source: Some(SpacingSource::Stated), relative_sd, pixels_per_mm: None }
     }
 
+    /// Whether its lengths are millimetres; else the spine has a typical length.
+    #[must_use]
+    pub fn has_millimetres(&self) -> bool {
+        self.plane != SpacingPlane::Pixels
+    }
+
     /// A length as millimetres, where it has any.
     #[must_use]
     pub fn mm(&self, length_mm: f64) -> Option<f64> {

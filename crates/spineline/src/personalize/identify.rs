@@ -114,19 +114,25 @@ impl MultiplierInformation {
         Some([end(lower, lower < least), end(upper, upper > most)])
     }
 
-    /// Whether the fitted multiplier lies outside of this interval, and differs from the mean by more than a factor of 1.5: the fit gives
-    /// all joints of a group one multiplier, the mixed model does not. A multiplier at its bound agrees with an interval beyond it.
+    /// Whether the fitted multiplier lies outside of this interval: the fit gives all joints of a group one multiplier, the mixed model
+    /// does not. A multiplier at its bound agrees with an interval beyond it.
+    #[must_use]
+    pub fn is_outside(&self) -> bool {
+        let [least, most] = MULTIPLIER_BOUNDS.map(f64::ln);
+        self.stiffness.is_some_and(|stiffness| {
+            let [lower, upper] = stiffness.log_interval_95();
+            self.log_multiplier < lower.min(most) || self.log_multiplier > upper.max(least)
+        })
+    }
+
+    /// Whether it differs from the mean by more than a factor of 1.5 too.
     #[must_use]
     pub fn is_disputed(&self) -> bool {
         /// Estimators that differ by less tell the same (assumption): multipliers of true lines differ by up to 1.2.
         const SAME: f64 = 1.5;
-        let [least, most] = MULTIPLIER_BOUNDS.map(f64::ln);
-        self.stiffness.is_some_and(|stiffness| {
-            let [lower, upper] = stiffness.log_interval_95();
-            let is_outside =
-                self.log_multiplier < lower.min(most) || self.log_multiplier > upper.max(least);
-            is_outside && (self.log_multiplier - stiffness.log_mean).abs() > SAME.ln()
-        })
+        let differs =
+            |mean: GroupStiffness| (self.log_multiplier - mean.log_mean).abs() > SAME.ln();
+        self.is_outside() && self.stiffness.is_some_and(differs)
     }
 
     /// What the films identify, by this interval.
@@ -193,7 +199,7 @@ named! {
     /// What the films identify of a multiplier.
     pub enum IntervalVerdict {
         /// An interval with two ends.
-        Interval = "interval" as "identified as a ratio",
+        Interval = "interval" as "identified",
         /// The stiffness has a lower limit.
         OnlyLower = "only_lower" as "only a lower limit",
         /// The stiffness has an upper limit.

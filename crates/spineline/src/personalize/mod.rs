@@ -75,6 +75,9 @@ pub enum Gauge {
 }
 
 impl Gauge {
+    /// Forces that a film can be taken under, in N: from one that moves no spine to more than twice a body's weight (assumption).
+    pub const FORCES_N: [f64; 2] = [1.0, 2000.0];
+
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::RatedQuantity;
 use crate::anatomy::Level;
-use crate::measure::{FilmReadings, Placement, Reading};
+use crate::measure::{FilmReadings, Placement, Reading, SpacingPlane};
 use crate::spatial::Angle;
 
 /// Name and meaning of a quantity; the first two rows of each unit are what the paper correlated.
@@ -45,6 +45,8 @@ const ANGLES: [(&str, &str); 2] = [
 ///
 /// A vertebra with corners that a program found and no person reviewed is not a reading, and is left out: two readings by one model
 /// agree whatever the film shows. Accepted corners count, and are counted, since readers share the model that proposed them.
+///
+/// Pixels are not added to millimetres: beside films with a scale, films in pixels count in angles alone.
 #[must_use]
 pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<RatedQuantity> {
     let mut all = FilmQuantities::default();
@@ -58,6 +60,10 @@ pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<RatedQuantity> 
 #[derive(Debug, Clone)]
 pub struct FilmQuantities {
     all: Vec<RatedQuantity>,
+    /// Lengths of the films in pixels.
+    in_pixels: [RatedQuantity; LENGTHS.len()],
+    films_in_pixels: BTreeSet<String>,
+    /// Units of the other films.
     length_units: BTreeSet<String>,
 }
 
@@ -65,7 +71,12 @@ impl Default for FilmQuantities {
     fn default() -> Self {
         let lengths = LENGTHS.map(|(key, meaning)| RatedQuantity::new(key, "", meaning));
         let angles = ANGLES.map(|(key, meaning)| RatedQuantity::new(key, "deg", meaning));
-        Self { all: lengths.into_iter().chain(angles).collect(), length_units: BTreeSet::new() }
+        Self {
+            all: lengths.clone().into_iter().chain(angles).collect(),
+            in_pixels: lengths,
+            films_in_pixels: BTreeSet::new(),
+            length_units: BTreeSet::new(),
+        }
     }
 }
 
@@ -73,7 +84,11 @@ impl FilmQuantities {
     /// Adds the films of a case.
     pub fn add(&mut self, case: &str, films: &[FilmReadings]) {
         for film in films {
-            if !self.length_units.contains(&film.length_unit) {
+            let is_in_pixels = film.length_unit == SpacingPlane::Pixels.unit();
+            if is_in_pixels {
+                self.films_in_pixels.insert(format!("{case} ({})", film.posture));
+                self.swap_lengths();
+            } else if !self.length_units.contains(&film.length_unit) {
                 self.length_units.insert(film.length_unit.clone());
             }
             let place = format!("{case}/{}/", film.posture.key());
@@ -94,18 +109,34 @@ impl FilmQuantities {
                 insert(&mut self.all, &place, &reading, &references);
             }
             self.all.iter_mut().for_each(|quantity| quantity.shrink(&place));
+            if is_in_pixels {
+                self.swap_lengths();
+            }
         }
+    }
+
+    fn swap_lengths(&mut self) {
+        self.all[..LENGTHS.len()].swap_with_slice(&mut self.in_pixels);
     }
 
     /// The quantities of all cases.
     #[must_use]
     pub fn finish(mut self) -> Vec<RatedQuantity> {
+        if self.length_units.is_empty() && !self.films_in_pixels.is_empty() {
+            self.swap_lengths();
+            self.length_units.insert(SpacingPlane::Pixels.unit().to_owned());
+            self.films_in_pixels.clear();
+        }
         let mut units = self.length_units.into_iter();
         let unit = match (units.next(), units.next()) {
             (Some(one), None) => one,
             _ => "mm (planes differ)".to_owned(),
         };
-        self.all[..LENGTHS.len()].iter_mut().for_each(|quantity| quantity.unit.clone_from(&unit));
+        let left_out: Vec<String> = self.films_in_pixels.into_iter().collect();
+        for quantity in &mut self.all[..LENGTHS.len()] {
+            quantity.unit.clone_from(&unit);
+            quantity.left_out_in_pixels.clone_from(&left_out);
+        }
         self.all
     }
 }

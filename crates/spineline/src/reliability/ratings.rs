@@ -18,6 +18,8 @@ pub struct RatedQuantity {
     pub not_reviewed: usize,
     /// Readings of a vertebra with corners that a reader accepted from a program.
     pub accepted: usize,
+    /// Films in pixels whose lengths were left out beside millimetres.
+    pub left_out_in_pixels: Vec<String>,
     /// Readers by number; a cohort has millions of readings by a few of them.
     readers: BTreeMap<Reader, u32>,
     /// Parts of places by number, such as the vertebrae of a film.
@@ -51,7 +53,19 @@ impl RatedQuantity {
         let (key, unit, meaning) = (key.into(), unit.into(), meaning.into());
         let (readers, parts, places) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
         let (not_reviewed, accepted, subjects) = (0, 0, 0);
-        Self { key, unit, meaning, not_reviewed, accepted, readers, parts, places, subjects }
+        let left_out_in_pixels = Vec::new();
+        Self {
+            key,
+            unit,
+            meaning,
+            not_reviewed,
+            accepted,
+            left_out_in_pixels,
+            readers,
+            parts,
+            places,
+            subjects,
+        }
     }
 
     /// Adds a reading; `false`, and nothing is changed, where this observer's repeat of this subject is there already.

@@ -37,6 +37,9 @@ impl Design {
     }
 }
 
+/// Films that a remark names.
+const NAMED: usize = 8;
+
 /// A remark for readers of the numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Remark {
@@ -95,6 +98,12 @@ pub enum Remark {
         /// Readings of a vertebra.
         readings: usize,
     },
+    /// Films in pixels are left out of lengths in millimetres.
+    #[error("{}", in_pixels_words(films))]
+    InPixels {
+        /// The films.
+        films: Vec<String>,
+    },
 }
 
 impl Remark {
@@ -112,8 +121,18 @@ impl Remark {
             Self::TwoSubjects => "two_subjects",
             Self::NotReviewed { .. } => "not_reviewed",
             Self::Accepted { .. } => "accepted",
+            Self::InPixels { .. } => "in_pixels",
         }
     }
+}
+
+/// How many films in pixels, and the first of them.
+fn in_pixels_words(films: &[String]) -> String {
+    let named = films.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>();
+    let more = films.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!(", {more} more") } else { String::new() };
+    let count = crate::warning::counted(films.len(), "film");
+    format!("{count} in pixels left out of lengths: {}{more}", named.join(", "))
 }
 
 /// All statistics of one quantity in one design.
@@ -268,6 +287,9 @@ fn remarks(
     }
     if quantity.accepted > 0 {
         remarks.push(Remark::Accepted { readings: quantity.accepted });
+    }
+    if !quantity.left_out_in_pixels.is_empty() {
+        remarks.push(Remark::InPixels { films: quantity.left_out_in_pixels.clone() });
     }
     if found.raters.len() < 2 {
         return remarks;

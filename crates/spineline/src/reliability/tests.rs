@@ -308,6 +308,29 @@ fn film(program: Option<ProgramNoise>) -> FilmReadings {
 }
 
 #[test]
+fn films_in_pixels_count_in_angles_and_not_beside_millimetres() {
+    let of =
+        |posture, unit: &str| FilmReadings { posture, length_unit: unit.to_owned(), ..film(None) };
+    let (erect, bend) = (of(Posture::Erect, "mm"), of(Posture::LeftBending, "pixels"));
+    let assessed = |films: &[FilmReadings]| {
+        let found = film_quantities(&[("P1", films)]).iter().map(assess).collect::<Vec<_>>();
+        ["spacing", "tilt_step"].map(|key| {
+            let one = found.iter().find(|one| one.key == key).expect("a quantity").clone();
+            (one.unit, one.designs[0].subjects, one.designs[0].remarks.clone())
+        })
+    };
+    let in_pixels = Remark::InPixels { films: vec!["P1 (left bending)".to_owned()] };
+    let [(unit, subjects, remarks), (_, tilts, of_tilts)] = assessed(&[erect, bend.clone()]);
+    assert_eq!((&unit[..], subjects, tilts), ("mm", 14, 28));
+    assert!(remarks.contains(&in_pixels) && !of_tilts.contains(&in_pixels));
+    let text = in_pixels.to_string();
+    assert_eq!(text, "1 film in pixels left out of lengths: P1 (left bending)");
+    let [(unit, subjects, remarks), _] = assessed(&[bend]);
+    assert_eq!((&unit[..], subjects), ("pixels", 14));
+    assert!(!remarks.iter().any(|remark| matches!(remark, Remark::InPixels { .. })));
+}
+
+#[test]
 fn unreviewed_corners_of_a_program_are_not_agreement() {
     let noise = ProgramNoise {
         location_mm: 1.0,

@@ -42,6 +42,12 @@ impl Angle {
         Self(deg * (std::f64::consts::PI / 180.0))
     }
 
+    /// Creates an angle from degrees of at most half a turn; `None` for others, which name a direction in a second way.
+    #[must_use]
+    pub fn within_half_turn(deg: f64) -> Option<Self> {
+        (-180.0..=180.0).contains(&deg).then(|| Self::from_deg(deg))
+    }
+
     /// The angle whose sine and cosine are proportional to the arguments, in (-π, π].
     #[must_use]
     pub fn from_sin_cos(sin: f64, cos: f64) -> Self {

@@ -17,6 +17,14 @@ pub struct Spread {
 impl Spread {
     /// The parts at which quantiles are taken.
     pub const PARTS: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
+    /// Fewest replicates with a 95 % interval: of fewer than 40 replicates, 2.5 % are less than one replicate, so the ends rest on
+    /// the two outermost values.
+    pub const MIN_COUNT: u64 = 40;
+
+    /// The central 95 % of this many replicates, if they are enough.
+    pub(super) fn interval_95(&self, count: u64) -> Option<[f64; 2]> {
+        (count >= Self::MIN_COUNT).then(|| [self.quantiles[0], self.quantiles[4]])
+    }
 }
 
 /// Values of one number over replicates, taken as differences from a reference, angles the short way round.

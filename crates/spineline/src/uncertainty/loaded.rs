@@ -167,11 +167,10 @@ pub struct LoadedSpread {
 }
 
 impl LoadedSpread {
-    /// The central 95 % of the replicates with a result. `None` where fewer than two have the number: one replicate has no interval.
+    /// The central 95 % of the replicates with a result. `None` where fewer than [`Spread::MIN_COUNT`] have the number.
     #[must_use]
     pub fn interval_95(&self) -> Option<[f64; 2]> {
-        let spread = self.spread.filter(|_| self.count > 1)?;
-        Some([spread.quantiles[0], spread.quantiles[4]])
+        self.spread?.interval_95(self.count)
     }
 }
 
@@ -215,9 +214,13 @@ impl LoadedUncertainty {
     #[must_use]
     pub fn words(&self) -> Vec<String> {
         let (usable, done, seed) = (self.usable, self.done, self.seed);
-        let counts = format!(
-            "95 % intervals: the central 95 % of the Monte Carlo replicates with a result, {usable} of {done} (seed {seed})"
-        );
+        let counts =
+            format!("Monte Carlo replicates with a result, {usable} of {done} (seed {seed})");
+        let counts = if usable < Spread::MIN_COUNT {
+            format!("{counts}; a 95 % interval needs {}", Spread::MIN_COUNT)
+        } else {
+            format!("95 % intervals: the central 95 % of the {counts}")
+        };
         let ending = |(code, count): &(Cow<'static, str>, u64)| {
             let percent = 100.0 * *count as f64 / done.max(1) as f64;
             format!("`{code}` in {count} of {done} ({} %)", fixed(percent, 1))

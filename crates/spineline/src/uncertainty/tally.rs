@@ -50,7 +50,7 @@ pub struct QuantitySpread {
 pub struct MultiplierSpread {
     /// In the case itself.
     pub value: Option<f64>,
-    /// The quantiles at [`Spread::PARTS`], `None` where the value is at a bound: the exponential keeps the order of values, so that it takes quantiles to quantiles.
+    /// The quantiles at [`Spread::PARTS`], `None` without an interval: the exponential keeps the order of values, so that it takes quantiles to quantiles.
     pub quantiles: Option<[f64; 5]>,
 }
 
@@ -60,19 +60,18 @@ impl QuantitySpread {
     pub fn multiplier(&self) -> Option<MultiplierSpread> {
         let AnalysisQuantity::LogMultiplier(..) = self.quantity else { return None };
         let value = self.nominal.ok().map(f64::exp);
-        let spread = self.spread.filter(|_| !self.at_bound);
+        let spread = self.interval_95().and(self.spread);
         Some(MultiplierSpread { value, quantiles: spread.map(|s| s.quantiles.map(f64::exp)) })
     }
 }
 
 impl QuantitySpread {
-    /// The central 95 % of the replicates. `None` where no replicate has the number, where it is at a bound of the fit, and for
+    /// The central 95 % of the replicates. `None` where fewer than [`Spread::MIN_COUNT`] have the number, where it is at a bound of the fit, and for
     /// distances and absolute errors: any noise makes these larger, a replicate has it twice, and the interval would lie too high.
     #[must_use]
     pub fn interval_95(&self) -> Option<[f64; 2]> {
         let has_none = self.at_bound || self.quantity.grows_with_noise();
-        let spread = self.spread.filter(|_| !has_none)?;
-        Some([spread.quantiles[0], spread.quantiles[4]])
+        self.spread.filter(|_| !has_none)?.interval_95(self.count)
     }
 }
 
@@ -195,6 +194,23 @@ impl Uncertainty {
     #[must_use]
     pub fn of(&self, quantity: AnalysisQuantity) -> Option<&QuantitySpread> {
         self.quantities.iter().find(|spread| spread.quantity == quantity)
+    }
+
+    /// How many replicates an interval needs, where fewer have a result or one of the reported numbers.
+    #[must_use]
+    pub fn few_words(&self) -> Option<String> {
+        let (fewest, usable) = (Spread::MIN_COUNT, self.done - self.failed);
+        if usable < fewest {
+            return Some(format!(
+                "A 95 % interval needs {fewest} replicates; with a result: {usable}."
+            ));
+        }
+        let is_few = |one: &&QuantitySpread| {
+            let may_have = !one.at_bound && !one.quantity.grows_with_noise();
+            one.quantity.is_reported() && may_have && (1..fewest).contains(&one.count)
+        };
+        let words = || format!("A 95 % interval needs {fewest} replicates that have the number.");
+        self.quantities.iter().any(|one| is_few(&one)).then(words)
     }
 
     /// Which noise was added to the landmarks, and where it comes from: a sentence for all films that have the same.

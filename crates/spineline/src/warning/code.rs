@@ -189,6 +189,8 @@ warning_codes! {
         LargeHinge = "large_hinge": Warning;
         /// A film has no spacing, and no model is fitted.
         NoScale = "no_scale": Warning;
+        /// The films speak against the model of a simulation.
+        ModelDoubted = "model_doubted": Warning;
         /// A pad pulls in a simulated shape, where a real pad loses contact.
         PadPulls = "pad_pulls": Warning;
         /// A simulation lost a path of equilibria, and there may be more shapes that meet the target.

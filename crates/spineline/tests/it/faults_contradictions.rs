@@ -79,7 +79,7 @@ fn exchanged_columns_and_rows_are_named() {
 }
 
 #[test]
-fn impossible_ages_and_nameless_observers_are_refused() {
+fn impossible_ages_nameless_observers_and_repeats_of_zero_are_refused() {
     for age in [-3.0, 240.0, f64::NAN] {
         let mut case = exact_case(0);
         case.subject.age_years = Some(age);
@@ -88,6 +88,9 @@ fn impossible_ages_and_nameless_observers_are_refused() {
     let mut case = exact_case(0);
     landmarks(film_mut(&mut case, Posture::Neutral)).2[0].id = ReadingId::new("  ", 1);
     assert_eq!(refused(&case).code(), "observer");
+    landmarks(film_mut(&mut case, Posture::Neutral)).2[0].id = ReadingId::new("A", 0);
+    let error = refused(&case);
+    assert_eq!((error.code(), error.place().limit), ("repeat", Some(1.0)), "{error}");
 }
 
 #[test]

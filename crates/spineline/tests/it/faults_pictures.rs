@@ -9,6 +9,7 @@ use crate::common::{
 };
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::{ImageSide, Level, Posture, SagittalProfile};
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::{
     CornerFault, Corners, Film, ImageGeometry, LateralFilm, MeasureFault, Outline, Reading,
     ReadingId, Spacing, SpacingPlane, SpatialOutline,
@@ -78,6 +79,34 @@ fn one_film_without_spacing_leaves_the_others_their_millimetres() {
     assert!(differ.expect("warned").message.contains("pixels count as millimetres of a spine of"));
     let warning = analysis.warnings.all().iter().find(|w| w.code == WarningCode::NoScale);
     assert_eq!(warning.and_then(|w| w.posture), Some(Posture::Traction));
+}
+
+#[test]
+fn films_without_spacing_are_neither_predicted_nor_pooled_in_millimetres() {
+    let (with, without) = with_and_without();
+    let mut one = with.clone();
+    landmarks(film_mut(&mut one, Posture::Traction)).0.spacing = None;
+    let [with, without, one] = [with, without, one].map(|case| analyzed(&case, &on_a_table()));
+    let predicted = |analysis: &Analysis| -> Vec<Posture> {
+        let films = analysis.comparison().films.iter();
+        films.filter(|film| !film.baselines.is_empty()).map(|film| film.posture).collect()
+    };
+    assert!(predicted(&with).contains(&Posture::Traction) && predicted(&without).is_empty());
+    assert!(predicted(&one).contains(&Posture::Neutral));
+    assert!(!predicted(&one).contains(&Posture::Traction));
+    let patients = [&with, &without].map(CohortPatient::of);
+    let (alone, both) = (Cohort::of(&patients[..1], 1), Cohort::of(&patients, 1));
+    assert_eq!((alone.without_scale, both.without_scale), (0, 1));
+    let lengths = |cohort: &Cohort| {
+        let pooled = [cohort.rmse_mm, cohort.inflection[0].distance_mm].map(|one| one.pooled);
+        [cohort.segment_mm, pooled[0], pooled[1]].map(|one| one.n)
+    };
+    assert_eq!(lengths(&both), lengths(&alone));
+    assert!(both.baselines.errors.iter().all(|errors| errors.location_mm.patients.n == 1));
+    // Angles need no scale.
+    assert_eq!(both.rotation_deg.patients.n, 2);
+    let words = both.sentences().join(" ");
+    assert!(words.contains("Films of 1 of 2 patients have no scale"), "{words}");
 }
 
 /// A lateral film of a spine with a given profile, by turning boxes: independent of what measures it.
@@ -221,6 +250,7 @@ fn a_lateral_film_is_refused_for_what_a_frontal_one_is() {
         body.superior_left = to;
     };
     assert_eq!(refused(&|film| film.readings[0].id = ReadingId::new(" ", 1)), "observer");
+    assert_eq!(refused(&|film| film.readings[0].id = ReadingId::new("A", 0)), "repeat");
     assert_eq!(refused(&|film| film.readings.push(film.readings[0].clone())), "duplicate_reading");
     for value in [0.0, -0.1, f64::NAN] {
         let change = |film: &mut LateralFilm| {

@@ -2,7 +2,7 @@
 
 use crate::common::{landmarks, measured, phantom};
 use proptest::prelude::*;
-use spineline::analysis::{AnalysisOptions, Identification, analyze};
+use spineline::analysis::{AnalysisOptions, MultiplierEnding, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::clinical::endplate_line;
 use spineline::measure::{
@@ -173,18 +173,18 @@ fn a_multiplier_is_contradicted_when_most_of_its_joints_are_counter_rotating() {
             let most = 2 * verdict.against > verdict.joints;
             let fits = model.fit.status == spineline::personalize::FitStatus::Converged;
             if fits && !fitted.is_empty() {
-                assert_eq!(most, verdict.identification == Identification::Contradicted);
+                assert_eq!(most, verdict.ending == MultiplierEnding::Contradicted);
             } else {
-                assert_eq!(verdict.identification, Identification::NotConverged);
+                assert_eq!(verdict.ending, MultiplierEnding::NotConverged);
             }
-            assert_ne!(verdict.identification, Identification::Absolute, "no force is known");
+            assert_ne!(verdict.ending, MultiplierEnding::Absolute, "no force is known");
         }
     }
     let contradicted = |scenario| {
         let case = phantom(0, scenario, &Readers::exact()).case;
         let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
         let line = analysis.models[0].verdicts(&analysis);
-        line.iter().filter(|v| v.identification == Identification::Contradicted).count()
+        line.iter().filter(|v| v.ending == MultiplierEnding::Contradicted).count()
     };
     assert!(contradicted(Scenario::Bend) > contradicted(Scenario::Rod));
 }

@@ -4,6 +4,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient};
+use spineline::evaluate::Baseline;
 use spineline::measure::{
     Film, FilmLandmarks, MeasureFault, MeasuredVertebra, TiltRule, measure_film,
 };
@@ -48,6 +49,12 @@ fn a_cohort_of_different_chains_says_so_and_counts_them() {
         "{:?}",
         alike.verdict()
     );
+}
+
+#[test]
+fn predictions_without_mechanics_are_named_for_models_of_any_vertebrae() {
+    let names = Baseline::ALL.map(|one| one.to_string());
+    assert!(!names.iter().any(|name| name.contains("L4") || name.contains("T2")), "{names:?}");
 }
 
 fn movement(case: &Case) -> Analysis {

@@ -9,7 +9,7 @@ use spineline::personalize::StiffnessBound;
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::{
     Absent, AnalysisQuantity, LandmarkNoise, MonteCarlo, NoiseSource, QuantitySpread, Replicate,
-    Uncertainty, UncertaintyError, VertebraNoise,
+    Spread, Uncertainty, UncertaintyError, VertebraNoise,
 };
 use spineline_phantom::{Readers, Scenario, generate};
 
@@ -96,13 +96,19 @@ fn cases_of_two_patients_have_independent_noise() {
 #[test]
 fn without_noise_all_replicates_equal_the_case() {
     let case = case(3, Scenario::Rod, &Readers::default());
-    let found = run(&case, LandmarkNoise::Pixels(0.0), 1, 3);
+    let found = run(&case, LandmarkNoise::Pixels(0.0), 1, Spread::MIN_COUNT);
     let usual = run(&case, LandmarkNoise::Measured, 1, 20);
-    assert_eq!((found.done, found.failed), (3, 0));
+    assert_eq!((found.done, found.failed), (Spread::MIN_COUNT, 0));
+    assert_eq!(found.few_words(), None);
+    assert!(usual.few_words().is_some_and(|words| words.contains("needs 40 replicates; with a")));
+    let mut rare = found.clone();
+    let reported = rare.quantities.iter_mut().find(|one| one.quantity.is_reported());
+    reported.expect("a number").count = 1;
+    assert!(rare.few_words().is_some_and(|words| words.ends_with("that have the number.")));
     for quantity in &found.quantities {
         let Ok(nominal) = quantity.nominal else { continue };
         let spread = quantity.spread.expect("the case has it");
-        assert_eq!(quantity.count, 3, "{:?}", quantity.quantity);
+        assert_eq!(quantity.count, Spread::MIN_COUNT, "{:?}", quantity.quantity);
         assert_eq!(spread.sd, 0.0, "{:?}", quantity.quantity);
         let interval = quantity.interval_95();
         let has_none = quantity.at_bound || quantity.quantity.grows_with_noise();
@@ -129,7 +135,7 @@ fn a_multiplier_at_its_bound_has_no_interval() {
     for subject in 0..6 {
         let case = case(subject, Scenario::Bend, &Readers::default());
         let nominal = analyzed(&case);
-        let found = run(&case, LandmarkNoise::Measured, 1, 4);
+        let found = run(&case, LandmarkNoise::Measured, 1, 2 * Spread::MIN_COUNT);
         for one in &found.quantities {
             let AnalysisQuantity::LogMultiplier(kind, group) = one.quantity else {
                 assert!(!one.at_bound, "{:?}", one.quantity);
@@ -139,8 +145,9 @@ fn a_multiplier_at_its_bound_has_no_interval() {
             let is_inside = model.fit.bounds[group] == StiffnessBound::Inside;
             assert_eq!(one.at_bound, !is_inside, "{:?}", one.quantity);
             let multiplier = one.multiplier().expect("it is one");
-            assert_eq!(one.interval_95().is_some(), is_inside && one.spread.is_some());
-            assert_eq!(multiplier.quantiles.is_some(), is_inside && one.spread.is_some());
+            let is_known = is_inside && one.count >= Spread::MIN_COUNT;
+            assert_eq!(one.interval_95().is_some(), is_known);
+            assert_eq!(multiplier.quantiles.is_some(), is_known);
             at_bound += usize::from(one.at_bound);
         }
     }

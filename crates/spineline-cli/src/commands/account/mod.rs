@@ -16,7 +16,7 @@ use args::AccountCommand;
 
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::print;
+use crate::run::outputs::{print, width};
 
 /// More than the longest password.
 const MAX_INPUT_BYTES: u64 = 4096;
@@ -117,5 +117,5 @@ fn list(store: &Store) -> Result<String, StoreError> {
             if studies.is_empty() { "-".to_owned() } else { studies.join(", ") },
         ]);
     }
-    Ok(terminal::table(&table, usize::MAX))
+    Ok(terminal::table(&table, width()))
 }

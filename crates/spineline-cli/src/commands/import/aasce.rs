@@ -7,7 +7,7 @@ use spineline::analysis::{CASE_ID_RULE, Case, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::ImageGeometry;
 use spineline::warning::counted;
-use spineline_files::{CaseFile, FileError};
+use spineline_files::{CaseFile, FileError, is_picture_name};
 use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
     picture_names, read_file,
@@ -17,7 +17,7 @@ use spineline_tables::{RowVerdict, verdicts_table};
 
 use super::args::ImportArgs;
 use crate::run::failure::{Ending, Failure};
-use crate::run::film_decoder::{Decoder, film_bytes, is_beside};
+use crate::run::film_decoder::{Decoder, film_bytes};
 use crate::run::outputs::{Outputs, OverwriteArgs, print, width};
 
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
@@ -136,8 +136,14 @@ fn sizes_of_pictures(
     let mut sizes = BTreeMap::new();
     for (line, name) in (1..).zip(names) {
         bar.inc(1);
+        if !is_picture_name(name) {
+            let what =
+                format!("filenames.csv, line {line}: `{name}` is not the name of a file alone");
+            let help = "leave the folder out, and name it with --pictures";
+            return Err(Failure::input(folder.display(), what, help));
+        }
         let path = folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file());
-        let Some(path) = path.filter(|_| is_beside(name)) else {
+        let Some(path) = path else {
             let help =
                 "--pictures names the folder of the pictures, or --sizes a table of their sizes";
             let what =

@@ -43,7 +43,7 @@ pub fn list(candidates: &Candidates) -> Lines {
     if candidates.films.is_empty() {
         text.line("No film was found.");
     } else {
-        text.text(&terminal::table(&table, usize::MAX));
+        text.text(&terminal::table(&table, width()));
     }
     for (note, films) in shared_notes(candidates) {
         let note = format!("! {}: {note}", numbered(&films));
@@ -172,7 +172,7 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
         let size = format!("{} × {}", film.columns, film.rows);
         table.row(vec![film.view.to_string(), size, left, scale]);
     }
-    text.text(&terminal::table(&table, usize::MAX));
+    text.text(&terminal::table(&table, width()));
     for film in films {
         for note in &film.notes {
             let note = format!("! {} film: {note}", film.view);

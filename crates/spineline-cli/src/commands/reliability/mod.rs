@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use spineline::cohort::KnownPatients;
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{FilmQuantities, QuantityReliability, RatedQuantity, assess};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
@@ -11,8 +12,7 @@ use spineline_report::{figures, file_stem};
 use spineline_tables::statistics_table;
 
 use crate::run::failure::{Ending, Failure};
-use crate::run::inputs::{CaseInput, case_files, input_of};
-use crate::run::known_patients::KnownPatients;
+use crate::run::inputs::{CaseInput, case_files, count_once, input_of};
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print_document};
 use crate::run::provenance::{generator, in_svg, this_run};
 
@@ -23,9 +23,9 @@ A table has one reading per row, commas, semicolons or tabs between them (decima
   quantity   measured quantity, such as tilt_T6
   unit       deg, mm, …
   subject    code of the patient, or of the patient and film
-  observer   code of the reader
+  observer   code of the reader, and no name of a person
   repeat     number of the reading, from 1
-  value      a number; empty, or no row, where it is missing
+  value      a number; empty, `NA` or `NaN`, or no row, where it is missing
   synthetic  true or false; this column may be absent
 
 Examples:
@@ -150,7 +150,7 @@ fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
         let CaseInput { case, input, .. } = CaseInput::read(&path)?;
         inputs.push(input);
         let place = path.display().to_string();
-        known.add(&place, &case)?;
+        count_once(&mut known, &place, &case)?;
         let films = case
             .films
             .iter()

@@ -5,11 +5,11 @@ use std::path::Path;
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmLandmarks, ImageGeometry};
-use spineline_files::{CaseFile, FilmSource, sha256_hex};
+use spineline_files::{CaseFile, FilmSource, is_picture_name, sha256_hex};
 use spineline_report::figures::FilmPicture;
 
 use crate::run::failure::Failure;
-use crate::run::film_decoder::{Decoder, film_bytes, is_beside};
+use crate::run::film_decoder::{Decoder, film_bytes};
 use crate::run::threads::map_all;
 
 /// Rows of a picture in a report.
@@ -60,11 +60,12 @@ pub fn pictures(
 
 fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, String> {
     let name = film.source.file.as_deref().unwrap_or_default();
-    if !is_beside(name) {
+    if !is_picture_name(name) {
         return Err("its file is not beside the case".to_owned());
     }
     let bytes = film_bytes(&folder.join(name)).map_err(|error| error.to_string())?;
-    if film.source.sha256.as_ref().is_some_and(|sum| *sum != sha256_hex(&bytes)) {
+    let is_other = |sum: &String| *sum != sha256_hex(&bytes);
+    if film.source.sha256.as_ref().is_some_and(is_other) {
         return Err("its file is not the one with the landmarks (different SHA-256)".to_owned());
     }
     let picture = decoder.decode(bytes).map_err(|error| error.to_string())?;

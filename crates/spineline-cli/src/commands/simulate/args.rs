@@ -25,7 +25,7 @@ Examples:
   spineline simulate model.json --posture left_bending
       apply the force that the analysis found for this film
   spineline simulate model.json --push left --amplitude 20 --towards left
-      find the force for a lateral tilt of L4-T2 of 20 degrees; all solutions are listed
+      find the force for a lateral tilt of 20 degrees (L4-T2 against L4's axis); all solutions are listed
   spineline simulate model.json --load load.json --json out.json --csv path.csv --svg shape.svg
       apply weight, pads, straps, rods and any forces together
   spineline simulate model.json --push left --force 20 --replicates 200 --case CASE.json
@@ -72,7 +72,8 @@ pub struct SimulateArgs {
     /// Let the force follow the rotation of its vertebra
     #[arg(long, conflicts_with_all = ["load", "posture"], help_heading = "One force")]
     pub follow: bool,
-    /// Solve for the load factor, of either sign, that gives this lateral tilt of L4-T2, in degrees from 0 to 90
+    /// Solve for the load factor, of either sign, that gives this lateral tilt of L4-T2 against L4's axis, in degrees from 0 to 90.
+    /// `check` and `analyze` give films the tilt against the iliac normal instead
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true, requires = "towards", help_heading = "Target")]
     pub amplitude: Option<f64>,
     /// Side of the lateral tilt

@@ -67,11 +67,22 @@ fn of_posture(
     posture: Posture,
 ) -> Result<(LoadFile, Vec<SimulationWarning>), Failure> {
     let Some(film) = model.loads.iter().find(|film| film.posture == posture) else {
+        let place = args.model.display();
+        if model.loads.is_empty() {
+            let (text, help) = match model.carried_body_mass_kg {
+                None => ("the model has no loads of films", "use --push or --load"),
+                Some(_) => (
+                    "the model has no loads of films: it was made with `--reference loaded`, so it is of the standing patient",
+                    "use --push or --load, or a model of an analysis without --reference",
+                ),
+            };
+            return Err(Failure::input(place, text, help));
+        }
         let known: Vec<&str> = model.loads.iter().map(|film| film.posture.key()).collect();
         let text =
             format!("the model has no load for {}; it has {}", posture.key(), known.join(", "));
         let help = "choose one of these, or use --push";
-        return Err(Failure::input(args.model.display(), text, help));
+        return Err(Failure::input(place, text, help));
     };
     let notes = SimulationWarning::not_found(film).into_iter().collect();
     let force_n = args.force.map_or(film.force_n, |force| force.copysign(film.force_n));

@@ -8,9 +8,7 @@ use spineline::multibody::Goal;
 use spineline::response::{OnSignedPoint, measure_angles};
 use spineline::spatial::Angle;
 use spineline::uncertainty::LoadedUncertainty;
-use spineline_files::{
-    AppliedLoad, LoadFile, Simulated, SimulationError, SimulationFile, SimulationWarning,
-};
+use spineline_files::{LoadFile, Simulated, SimulationError, SimulationFile, SimulationWarning};
 use spineline_report::document::Notice;
 use spineline_report::figures::{self, loaded_spine};
 use spineline_report::loaded_tables::LoadedTables;
@@ -142,11 +140,13 @@ impl Outcome {
 
     /// The picture.
     pub fn svg(&self) -> String {
-        let words: Vec<String> = self.loads.loads.iter().map(AppliedLoad::words).collect();
+        let force_unit = self.model.force_unit();
+        let words = self.loads.loads.iter().map(|load| load.words(force_unit));
+        let words: Vec<String> = words.collect();
         loaded_spine(&figures::LoadedSpine {
             case_id: &self.model.case_id,
             synthetic: self.model.synthetic,
-            force_unit: self.model.force_unit(),
+            force_unit,
             levels: &self.model.levels,
             model: &self.model.spine,
             loading: &self.placed.loading,

@@ -53,7 +53,11 @@ fn subject(outcome: &Outcome) -> String {
 fn target(outcome: &Outcome) -> Section {
     let mut section = Section::new("target", "");
     for (number, load) in outcome.loads.loads.iter().enumerate() {
-        section.paragraph(format!("Load {}: {}", number + 1, load.words()));
+        section.paragraph(format!(
+            "Load {}: {}",
+            number + 1,
+            load.words(outcome.model.force_unit())
+        ));
     }
     if !outcome.model.absolute {
         let text = "Forces are relative to the nominal stiffness, not newtons: no force was measured for this model";
@@ -62,8 +66,8 @@ fn target(outcome: &Outcome) -> Section {
     section.paragraph(match outcome.response.goal {
         Goal::FullLoad => "Target: the shape under these loads".to_owned(),
         Goal::LateralTilt(tilt) => format!(
-            "Target: the factor of the proportional loads for a lateral tilt of {} of {}, up to {} in either direction",
-            outcome.tables().ends(),
+            "Target: the factor of the proportional loads for a {} of {}, up to {} in either direction",
+            outcome.tables().lateral_tilt(),
             tilt.leaning(),
             fixed(outcome.response.largest_factor, 4)
         ),

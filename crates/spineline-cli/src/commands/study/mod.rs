@@ -4,6 +4,7 @@ mod args;
 
 pub use args::{EXAMPLES, StudyArgs};
 
+use std::io::{IsTerminal, stdout};
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -22,7 +23,7 @@ use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
 use crate::run::messages::say;
-use crate::run::outputs::{Outputs, print};
+use crate::run::outputs::{Outputs, print, width};
 
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
@@ -161,7 +162,7 @@ fn list(store: &Store) -> Result<String, StoreError> {
             table.row(vec![study.id.to_string(), nothing(), nothing(), nothing(), nothing()]);
         }
     }
-    Ok(terminal::table(&table, usize::MAX))
+    Ok(terminal::table(&table, width()))
 }
 
 fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String> {
@@ -198,10 +199,19 @@ fn log(store: &Store) -> Result<String, StoreError> {
             Timestamp::from_unix_ms(entry.time_ms).map_or_else(String::new, |at| at.to_string()),
             entry.actor,
             entry.action,
-            entry.object,
+            shown_object(&entry.object),
         ]);
     }
-    Ok(terminal::table(&table, usize::MAX))
+    Ok(terminal::table(&table, width()))
+}
+
+/// An object of the log; a terminal gets the start of the hash of a film's content, a file or a pipe all of it.
+fn shown_object(object: &str) -> String {
+    const SHOWN: usize = 16;
+    match object.strip_prefix("content/").filter(|_| stdout().is_terminal()) {
+        Some(hash) => format!("content/{}…", hash.chars().take(SHOWN).collect::<String>()),
+        None => object.to_owned(),
+    }
 }
 
 fn verify(path: &Path, head: Option<&Head>) -> Result<Ending, Failure> {
@@ -226,19 +236,15 @@ fn restore(backup: &Path, path: &Path) -> Result<Ending, Failure> {
 fn report(path: &Path, verification: &Verification) -> Result<Ending, Failure> {
     let mut text = Lines::default();
     if let Some(head) = &verification.head {
-        text.line(format!(
-            "{}: entries in the log: {}; end of the log {head}",
-            path.display(),
-            head.entries
-        ));
+        text.line(format!("{}: entries in the log: {}", path.display(), head.entries));
+        text.line(format!("  end of the log: {head}"));
     }
     for finding in &verification.findings {
-        text.line(format!("  ! {finding}"));
+        text.text(&terminal::paragraph(&format!("! {finding}"), width() - 2, "  "));
     }
     if verification.is_clean() {
-        text.line(
-            "  no damage found. Keep the end of the log elsewhere: with `--head`, `verify` also detects a store that was rewritten as a whole.",
-        );
+        let clean = "no damage found. Keep the end of the log elsewhere: with `--head`, `verify` also detects a store that was rewritten as a whole.";
+        text.text(&terminal::paragraph(clean, width() - 2, "  "));
         return print(text);
     }
     print(text)?;

@@ -44,7 +44,8 @@ fn add(view: &mut ComputationView, analysis: &Analysis, found: &Found) {
 }
 
 fn texts(found: &Uncertainty) -> Vec<String> {
-    let words = found.noise_words().into_iter().chain(found.failure_words());
+    let words = found.few_words().into_iter().chain(found.noise_words());
+    let words = words.chain(found.failure_words());
     words.chain([Uncertainty::CAVEAT, MULTIPLIER_COVERAGE].map(str::to_owned)).collect()
 }
 
@@ -67,10 +68,8 @@ fn intervals(analysis: &Analysis, found: &Uncertainty) -> Vec<IntervalView> {
 fn interval(analysis: &Analysis, one: &QuantitySpread) -> Option<IntervalView> {
     let multiplier = one.multiplier();
     let value = multiplier.map_or(one.nominal.ok(), |found| found.value)?;
-    let ends = match multiplier {
-        Some(found) => found.quantiles.map(|quantiles| [quantiles[0], quantiles[4]]),
-        None => one.interval_95(),
-    };
+    let ends =
+        one.interval_95().map(|ends| if multiplier.is_some() { ends.map(f64::exp) } else { ends });
     let only_if = one.quantity.interval_caveat().map_or("", |_| " (if the model is exact)");
     let label = one.quantity.label(analysis);
     let label = if multiplier.is_some() { label.replace("ln of the ", "") } else { label };

@@ -63,7 +63,7 @@ async fn simulate_loads(
         let (loads, model) = (parsed(&text)?, personalised_model(&result, line)?);
         let faults = loads.faults(&model);
         if !faults.is_empty() {
-            return Ok(view::faulty(&loads, faults));
+            return Ok(view::faulty(&model, &loads, faults));
         }
         let simulated = simulated(model, loads)?;
         Ok(view::view(result.analysed()?, &simulated))

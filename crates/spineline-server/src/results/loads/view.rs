@@ -1,13 +1,13 @@
 //! A model under loads as the browser shows it.
 
-use spineline::analysis::Analysis;
+use spineline::analysis::{Analysis, PersonalisedModel};
 use spineline::evaluate::FilmShape;
 use spineline::multibody::{Deformed, Equilibrium, PathPoint, Timing};
 use spineline::number::fixed;
 use spineline::response::{ActingKind, CurveChange, acting_loads, erect_shape, measure_angles};
 use spineline::spatial::Frontal;
 use spineline::uncertainty::LoadedUncertainty;
-use spineline_files::{AppliedLoad, LoadFault, LoadFile, Simulated};
+use spineline_files::{LoadFault, LoadFile, Simulated};
 use spineline_report::document::Table;
 use spineline_report::loaded_tables::LoadedTables;
 
@@ -22,20 +22,20 @@ use crate::api::{
 const MAX_STEPS: usize = 40;
 
 /// Loads that cannot be applied.
-pub fn faulty(loads: &LoadFile, faults: Vec<LoadFault>) -> LoadedModel {
+pub fn faulty(model: &PersonalisedModel, loads: &LoadFile, faults: Vec<LoadFault>) -> LoadedModel {
     let fault = |fault: LoadFault| LoadFaultView {
         load: fault.load,
         text: format!("{}: {}", fault.reason, fault.help),
     };
     LoadedModel {
-        loads: words(loads),
+        loads: words(model, loads),
         faults: faults.into_iter().map(fault).collect(),
         simulation: None,
     }
 }
 
-fn words(loads: &LoadFile) -> Vec<String> {
-    loads.loads.iter().map(AppliedLoad::words).collect()
+fn words(model: &PersonalisedModel, loads: &LoadFile) -> Vec<String> {
+    loads.loads.iter().map(|load| load.words(model.force_unit())).collect()
 }
 
 /// A simulation.
@@ -54,7 +54,8 @@ pub fn view(analysis: &Analysis, simulated: &Simulated) -> LoadedModel {
         steps: steps(simulated),
         films: result.map(|found| films(analysis, &found.deformed)).unwrap_or_default(),
     };
-    LoadedModel { loads: words(&simulated.loads), faults: Vec::new(), simulation: Some(loaded) }
+    let loads = words(&simulated.model, &simulated.loads);
+    LoadedModel { loads, faults: Vec::new(), simulation: Some(loaded) }
 }
 
 /// The texts and tables of a simulation, with intervals if they are computed.
@@ -111,7 +112,8 @@ fn step(
     let places = &simulated.places;
     let [before, after] =
         [&erect_shape(&simulated.model.spine), shape].map(|shape| measure_angles(shape, places));
-    let tilt = format!("lateral tilt {}", after.lateral_tilt.leaning());
+    let base = simulated.model.levels[0];
+    let tilt = format!("lateral tilt {} against {base}'s axis", after.lateral_tilt.leaning());
     let text = match CurveChange::between(&before, &after) {
         Some(change) => {
             let CurveChange { region, after, .. } = change;

@@ -149,8 +149,9 @@ impl Map<'_> {
                 PadMapCell {
                     text: change_text(curve.growth()),
                     title: format!(
-                        "{pad}: {region} {size} {after} instead of {before}; lateral tilt {}",
-                        reached.lateral_tilt.leaning()
+                        "{pad}: {region} {size} {after} instead of {before}; lateral tilt {} against {}'s axis",
+                        reached.lateral_tilt.leaning(),
+                        self.job.work.model.levels[0]
                     ),
                     part: Some(curve.growth().rad() / self.largest_rad),
                     load,

@@ -33,6 +33,35 @@ fn the_cohort_has_a_row_per_study_and_reasons_for_exclusions() {
 }
 
 #[test]
+fn a_second_study_of_a_patient_counts_nowhere() {
+    // Oracle: the cohort without it.
+    let case =
+        |index| generate(index, Scenario::Rod, &Readers::default(), 1).expect("a subject").case;
+    let cohort = |has_second: bool| {
+        let running = serve(|store| {
+            add_read_study(store, "S1", &case(0));
+            add_read_study(store, "S2", &case(1));
+            let mut second = case(1);
+            second.films.truncate(4);
+            if has_second {
+                add_read_study(store, "S3", &second);
+            }
+        });
+        running.get("/api/cohort")
+    };
+    let (with, without) = (cohort(true), cohort(false));
+    let why = with["rows"][2]["excluded"].as_str().expect("a reason");
+    assert!(why.contains("has the landmarks of a film of the case S2; a patient counts"), "{why}");
+    let pooled = |cohort: &Value| -> Vec<Value> {
+        let all = cohort["reliability"].as_array().expect("a list").iter();
+        all.filter(|one| one["scope"] == "all studies").cloned().collect()
+    };
+    assert!(!pooled(&without).is_empty(), "two observers read the films");
+    assert_eq!(pooled(&with), pooled(&without));
+    assert_eq!((&with["verdict"], &with["charts"]), (&without["verdict"], &without["charts"]));
+}
+
+#[test]
 fn synthetic_studies_are_pooled_with_real_ones_only_on_request() {
     let real = |index| {
         let case = generate(index, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;

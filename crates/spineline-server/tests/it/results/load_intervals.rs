@@ -14,7 +14,7 @@ use crate::browser::{App, Browser, options};
 
 const LOADS: &str = "/api/studies/S1/loads/inflection_line";
 const PATH: &str = "/api/studies/S1/loads/inflection_line/intervals";
-const COUNT: u64 = 12;
+const COUNT: u64 = 60;
 
 /// The text of a load file with one force at T2.
 fn push(left: f64, up: f64) -> String {

@@ -65,7 +65,7 @@ fn models_equal_those_of_the_exported_case() {
         {
             assert!((view["factor"].as_f64().expect("a number") - factor).abs() < 1e-9);
             // Without a known force, values are not absolute.
-            assert_ne!(view["identified"], "identified");
+            assert_ne!(view["identified"], "absolute");
         }
         for (posture, simulation) in
             line["postures"].as_array().expect("a list").iter().zip(&expected.simulations)
