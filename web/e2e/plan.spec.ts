@@ -72,10 +72,14 @@ test("loads are added, edited by keyboard and in the picture, undone, and kept o
   await expect(fields.getByLabel("Pushes to the")).toHaveValue("right");
 
   await page.getByRole("button", { name: "Weight" }).click();
-  await expect(page.getByText(/weight of trunk, head and arms of a body with the weight 20/i)).toBeVisible();
+  await expect(
+    page.getByText(/weight of trunk, head and arms of a body with the weight 20/i),
+  ).toBeVisible();
   await page.reload();
   await expect(page.getByText(/pad on T6, advanced \(mm\) 35\.0 right/i)).toBeVisible();
-  await expect(page.getByText(/weight of trunk, head and arms of a body with the weight 20/i)).toBeVisible();
+  await expect(
+    page.getByText(/weight of trunk, head and arms of a body with the weight 20/i),
+  ).toBeVisible();
   await page.getByRole("button", { name: "Remove load 1" }).click();
   await expect(page.getByText(/pad on T6/i)).toHaveCount(0);
 });
