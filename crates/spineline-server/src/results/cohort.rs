@@ -6,7 +6,7 @@ use axum::extract::State;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::anatomy::Posture;
-use spineline::cohort::{Cohort, CohortPatient, KnownPatients, PatientMarks};
+use spineline::cohort::{Cohort, CohortPatient, KnownPatients, PatientMarks, SamePatient};
 use spineline::evaluate::statistics::{Summary, box_summary};
 use spineline::number::{fixed, none};
 use spineline::warning::WarningCode;
@@ -39,10 +39,8 @@ struct Member {
     apart: bool,
     summary: ResultSummary,
     result: Option<Arc<StudyResult>>,
-    /// Whether an earlier study is of the same patient.
-    is_second: bool,
-    /// Why the statistics leave it out.
-    excluded: Option<String>,
+    /// The same patient in another study.
+    same: Option<SamePatient>,
 }
 
 /// All studies that the requester may see, without the archived ones. Statistics leave out synthetic studies beside real ones.
@@ -74,44 +72,33 @@ async fn of_studies(state: AppState, user: User, pools: bool) -> Answer<Json<Coh
             };
             let (id, synthetic) = (study.id.to_string(), study.synthetic);
             let apart = synthetic && is_mixed && !pools;
-            Ok(Member {
-                study: id,
-                synthetic,
-                apart,
-                summary: line,
-                result,
-                is_second: false,
-                excluded: None,
-            })
+            Ok(Member { study: id, synthetic, apart, summary: line, result, same: None })
         });
         members.collect::<Result<Vec<Member>, StoreError>>()
     });
     let mut members = members.await?;
     computed(move || {
-        leave_out(&mut members);
+        find_same(&mut members);
         Json(view(&members, is_mixed))
     })
     .await
 }
 
-/// Leaves out of the statistics: a patient's second study, and studies without a result or with lengths that others do not have.
-fn leave_out(members: &mut [Member]) {
+/// Finds second studies of a patient; a study that is counted comes before one that is not.
+fn find_same(members: &mut [Member]) {
+    let mut ordered: Vec<&mut Member> = members.iter_mut().collect();
+    ordered.sort_by_key(|member| excluded(member).is_some());
     let mut known = KnownPatients::default();
-    for member in members {
+    for member in ordered {
         let case = member.result.as_ref().filter(|_| !member.apart).map(|one| &one.current.case);
-        let same = case.and_then(|case| known.add(PatientMarks::of(case)).err());
-        member.is_second = same.is_some();
-        member.excluded = same.map_or_else(
-            || reason(member),
-            |same| Some(format!("{same}; a patient counts once: archive one of the two studies")),
-        );
+        member.same = case.and_then(|case| known.add(PatientMarks::of(case)).err());
     }
 }
 
 fn view(members: &[Member], is_mixed: bool) -> CohortView {
-    let together = members.iter().filter(|member| !member.apart && !member.is_second);
+    let together = members.iter().filter(|member| !member.apart && member.same.is_none());
     let results: Vec<&StudyResult> = together.filter_map(|m| m.result.as_deref()).collect();
-    let counted = members.iter().filter(|member| member.excluded.is_none());
+    let counted = members.iter().filter(|member| excluded(member).is_none());
     let counted = counted.filter_map(|member| member.result.as_ref());
     let analyses: Vec<&Analysis> = counted.filter_map(|result| result.analysis()).collect();
     let patients: Vec<CohortPatient> = analyses.iter().map(|one| CohortPatient::of(one)).collect();
@@ -158,7 +145,7 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
 fn other_options(members: &[Member]) -> Option<Notice> {
     let counted: Vec<&ChosenOptions> = members
         .iter()
-        .filter(|member| member.excluded.is_none())
+        .filter(|member| excluded(member).is_none())
         .filter_map(|member| Some(&member.result.as_ref()?.current.options))
         .collect();
     let changed = counted.iter().filter(|options| !options.all().is_empty()).count();
@@ -174,8 +161,11 @@ fn other_options(members: &[Member]) -> Option<Notice> {
     (changed > 0).then(|| notices::notice(severity, "options_changed", text))
 }
 
-/// Why a study by itself is not counted.
-fn reason(member: &Member) -> Option<String> {
+/// Why the statistics leave a study out.
+fn excluded(member: &Member) -> Option<String> {
+    if let Some(same) = &member.same {
+        return Some(format!("{same}; a patient counts once: archive one of the two studies"));
+    }
     match member.result.as_ref().map(|result| &result.outcome) {
         Some(Outcome::Analysed(_)) if member.apart => {
             Some("synthetic: not pooled with real studies".to_owned())
@@ -194,7 +184,7 @@ fn row(member: &Member) -> CohortRow {
         study: member.study.clone(),
         synthetic: member.synthetic,
         status: member.summary.status,
-        excluded: member.excluded.clone(),
+        excluded: excluded(member),
         options_text: member.result.as_ref().and_then(|result| result.options_text()),
         cells: cells(analysis),
     }

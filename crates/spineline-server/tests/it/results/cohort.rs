@@ -1,5 +1,6 @@
 use serde_json::Value;
 use spineline::analysis::Case;
+use spineline::measure::Film;
 use spineline_phantom::{Readers, Scenario, generate};
 
 use super::server::{add_read_study, add_study, assert_numbers, phantom, serve};
@@ -41,16 +42,26 @@ fn a_second_study_of_a_patient_counts_nowhere() {
         let running = serve(|store| {
             add_read_study(store, "S1", &case(0));
             add_read_study(store, "S2", &case(1));
-            let mut second = case(1);
-            second.films.truncate(4);
+            let films = case(1).films;
+            let mut add = |study, films: &[Film]| {
+                add_read_study(store, study, &Case { films: films.to_vec(), ..case(1) });
+            };
             if has_second {
-                add_read_study(store, "S3", &second);
+                add("S3", &films[..4]);
+                // Earlier in the list, and without a result: it takes no place.
+                add("S0", &films[1..]);
             }
         });
         running.get("/api/cohort")
     };
     let (with, without) = (cohort(true), cohort(false));
-    let why = with["rows"][2]["excluded"].as_str().expect("a reason");
+    let rows = with["rows"].as_array().expect("rows");
+    let why = |study: &str| {
+        let row = rows.iter().find(|row| row["study"] == study).expect("its row");
+        row["excluded"].as_str().unwrap_or_default().to_owned()
+    };
+    assert!(why("S2").is_empty() && !why("S0").is_empty(), "{rows:?}");
+    let why = why("S3");
     assert!(why.contains("has the landmarks of a film of the case S2; a patient counts"), "{why}");
     let pooled = |cohort: &Value| -> Vec<Value> {
         let all = cohort["reliability"].as_array().expect("a list").iter();
