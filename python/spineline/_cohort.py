@@ -192,7 +192,7 @@ class Cohort(Sequence[Path]):
         Raises
         ------
         InputError
-            If an option is unknown, replicates or noise are out of range, two cases are of one patient, a worker has
+            If an option is unknown, replicates or noise are out of range, two cases show one patient, a worker has
             another version of Spineline, or the file of an option changes meanwhile.
         OSError
             If a file cannot be written, such as on a full disk; existing files are whole.

@@ -49,7 +49,7 @@ class Spread:
     """The 2.5, 25, 50, 75 and 97.5 % quantiles; None if fewer than 40 replicates have the number, at a bound of the fit, and
     for distances and absolute errors, which any noise makes larger."""
     grows_with_noise: bool
-    """Whether any noise makes it larger, as distances and absolute errors: it has no interval."""
+    """Whether any noise makes the number larger. Distances and absolute errors grow with noise, and have no interval."""
     at_bound: bool
     """Whether the value is at a bound of the fit: the films do not identify it, and it has no interval."""
     count: int

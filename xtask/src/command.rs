@@ -28,11 +28,11 @@ pub fn run(
     arguments: &[&str],
     variables: &[(&str, &str)],
 ) -> Result<(), String> {
-    run_until(root, program, arguments, variables, &[0])
+    run_with_codes(root, program, arguments, variables, &[0])
 }
 
 /// Runs a program that may end with any of these exit codes.
-pub fn run_until(
+pub fn run_with_codes(
     root: &Path,
     program: &str,
     arguments: &[&str],

@@ -23,7 +23,6 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
 
 /// Runs all notebooks, and writes each as a Markdown page with its pictures beside it.
 pub fn render(plan: &Plan<'_>, to: &Path) -> Result<(), String> {
-    // Files of an earlier run must not be found by this one.
     emptied(to)?;
     let interpreter = python::text(&environment(plan.root)?)?;
     let package = python::text(&staged(plan)?)?;

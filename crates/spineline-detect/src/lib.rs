@@ -230,9 +230,8 @@ pub fn bodies_at(picture: &Picture<'_>, centres: &[Pixel]) -> Vec<SeenBody> {
 
 /// Corners as seen (upper left, upper right, lower left, lower right) by the patient's sides.
 fn patients([ul, ur, ll, lr]: [Pixel; 4], patient_left: ImageSide) -> Corners<Pixel> {
-    let [superior_left, superior_right, inferior_left, inferior_right] = match patient_left {
+    Corners::from(match patient_left {
         ImageSide::Left => [ul, ur, ll, lr],
         ImageSide::Right => [ur, ul, lr, ll],
-    };
-    Corners { superior_left, superior_right, inferior_left, inferior_right }
+    })
 }

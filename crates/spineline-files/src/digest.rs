@@ -14,6 +14,12 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
     digest.hex()
 }
 
+/// Whether a text is a SHA-256 in hexadecimal digits.
+#[must_use]
+pub fn is_sha256(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit())
+}
+
 /// [`sha256_hex`] of bytes that come piece by piece.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RunningDigest(Sha256);

@@ -263,7 +263,7 @@ pub enum FileError {
         /// The identifier.
         found: String,
     },
-    /// A Lenke class that [`spineline::analysis::is_lenke_class`] does not allow, such as the name of a person.
+    /// A text that is not a Lenke class ([`spineline::analysis::is_lenke_class`]), such as the name of a person.
     #[error("`lenke` of the subject is `{found}`; expected {LENKE_RULE}")]
     Lenke {
         /// The class.
@@ -283,7 +283,7 @@ pub enum FileError {
         /// Name of the file, without its folder; absent where there is only a folder.
         name: Option<String>,
     },
-    /// A SHA-256 that is none.
+    /// A text that is not a SHA-256.
     #[error("{film} film: `sha256` of its image is `{found}`; expected 64 hexadecimal digits")]
     PictureHash {
         /// Posture of the film, or `lateral`.

@@ -54,7 +54,7 @@ pub use case_file::{
 };
 pub use cohort_file::CohortFile;
 pub use content::{Content, RunningContent, case_ids, content_words, text_with_hash, with_hash};
-pub use digest::sha256_hex;
+pub use digest::{is_sha256, sha256_hex};
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::{file_format, parse_json, parse_value};
@@ -67,7 +67,7 @@ pub use nearest::nearest;
 pub use provenance::{
     FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile, parse_provenance,
 };
-pub use read::{MAX_ANALYSES_BYTES, MAX_FILE_BYTES, read_bytes, read_text, text_of};
+pub use read::{DATABASE, MAX_ANALYSES_BYTES, MAX_FILE_BYTES, read_bytes, read_text, text_of};
 pub use readings_table::{ReadingsTable, parse_readings};
 pub use refused_file::RefusedFile;
 pub use reliability_file::ReliabilityFile;

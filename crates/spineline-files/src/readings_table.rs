@@ -79,8 +79,7 @@ pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
             continue;
         }
         columns.check_width(&record).map_err(fault)?;
-        synthetic |=
-            columns.insert(&record, &mut quantities).map_err(|fault| fault.at_line(line))?;
+        synthetic |= columns.insert(&record, line, &mut quantities)?;
     }
     if quantities.is_empty() {
         return Err(FileError::Row { line: 2, reason: "no reading".to_owned() });
@@ -114,29 +113,6 @@ fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileE
     }
 }
 
-/// What is wrong with a row.
-enum RowFault {
-    /// In words.
-    Reason(String),
-    /// A cell that is not a code.
-    Code { column: &'static str, found: String, rule: &'static str },
-}
-
-impl From<String> for RowFault {
-    fn from(reason: String) -> Self {
-        Self::Reason(reason)
-    }
-}
-
-impl RowFault {
-    fn at_line(self, line: u64) -> FileError {
-        match self {
-            Self::Reason(reason) => FileError::Row { line, reason },
-            Self::Code { column, found, rule } => FileError::RowCode { line, column, found, rule },
-        }
-    }
-}
-
 /// Where the columns stand, and what separates them.
 struct Columns {
     places: BTreeMap<&'static str, usize>,
@@ -166,27 +142,38 @@ impl Columns {
     fn insert(
         &self,
         record: &StringRecord,
+        line: u64,
         quantities: &mut BTreeMap<String, RatedQuantity>,
-    ) -> Result<bool, RowFault> {
+    ) -> Result<bool, FileError> {
         let places = &self.places;
+        let fault = |reason: String| FileError::Row { line, reason };
         let cell = |column: &str| {
             places.get(column).and_then(|&place| record.get(place)).unwrap_or_default()
         };
-        let (key, unit) = (name("quantity", cell("quantity"))?, name("unit", cell("unit"))?);
-        let subject = code("subject", cell("subject"), CASE_ID_RULE, is_case_id)?;
-        let observer = code("observer", cell("observer"), OBSERVER_RULE, is_observer_code)?;
+        let name = |column: &str| name(column, cell(column)).map_err(fault);
+        let code = |column: &'static str, rule, is_code: fn(&str) -> bool| {
+            let text = name(column)?;
+            if is_code(text) {
+                return Ok(text);
+            }
+            Err(FileError::RowCode { line, column, found: shortened(text), rule })
+        };
+        let (key, unit) = (name("quantity")?, name("unit")?);
+        let subject = code("subject", CASE_ID_RULE, is_case_id)?;
+        let observer = code("observer", OBSERVER_RULE, is_observer_code)?;
         let repeat = whole_number(cell("repeat")).filter(|&repeat| repeat > 0);
         let repeat = repeat.ok_or_else(|| {
-            format!("`repeat` is `{}`; it must be a whole number from 1", shortened(cell("repeat")))
+            let found = shortened(cell("repeat"));
+            fault(format!("`repeat` is `{found}`; it must be a whole number from 1"))
         })?;
-        // A subject that was not read; an infinite number is a fault of what wrote it.
-        let is_infinite = self.parsed(cell("value")).is_some_and(f64::is_infinite);
-        if is_no_number(cell("value")) && !is_infinite {
+        let parsed = self.parsed(cell("value"));
+        // An empty value: nobody read the subject. An infinite number is an error of the program that wrote it.
+        if is_no_number(cell("value")) && !parsed.is_some_and(f64::is_infinite) {
             return Ok(false);
         }
-        let value = self.parsed(cell("value")).filter(|value| value.is_finite());
-        let value = value.ok_or_else(|| {
-            format!("`value` is `{}`, which is not a number", shortened(cell("value")))
+        let value = parsed.filter(|value| value.is_finite()).ok_or_else(|| {
+            let found = shortened(cell("value"));
+            fault(format!("`value` is `{found}`, which is not a number"))
         })?;
         let synthetic = match cell("synthetic").to_ascii_lowercase().as_str() {
             "true" => true,
@@ -194,20 +181,19 @@ impl Columns {
             "" if !places.contains_key("synthetic") => false,
             other => {
                 let other = shortened(other);
-                return Err(format!("`synthetic` is `{other}`; it must be true or false").into());
+                return Err(fault(format!("`synthetic` is `{other}`; it must be true or false")));
             }
         };
         let quantity = quantities
             .entry(key.to_owned())
             .or_insert_with(|| RatedQuantity::new(key, unit, "as in the table of readings"));
         if quantity.unit != unit {
-            return Err(format!("`{key}` is in {unit}, but in {} above", quantity.unit).into());
+            return Err(fault(format!("`{key}` is in {unit}, but in {} above", quantity.unit)));
         }
         if !quantity.insert(subject, observer, repeat, value) {
-            return Err(format!(
+            return Err(fault(format!(
                 "`{key}` of subject {subject} by observer {observer}, repeat {repeat}, is given twice"
-            )
-            .into());
+            )));
         }
         Ok(synthetic)
     }
@@ -230,20 +216,6 @@ fn name<'a>(column: &str, cell: &'a str) -> Result<&'a str, String> {
         return Err(format!("`{column}` holds a control character"));
     }
     Ok(text)
-}
-
-/// A cell that names a patient or a reader by a code.
-fn code<'a>(
-    column: &'static str,
-    cell: &'a str,
-    rule: &'static str,
-    is_code: fn(&str) -> bool,
-) -> Result<&'a str, RowFault> {
-    let text = name(column, cell)?;
-    if is_code(text) {
-        return Ok(text);
-    }
-    Err(RowFault::Code { column, found: shortened(text), rule })
 }
 
 fn row_error(error: &csv::Error, line: u64) -> FileError {

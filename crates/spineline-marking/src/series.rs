@@ -40,7 +40,7 @@ const SCALES: i32 = 30;
 const SCALE_STEP: f64 = 0.01;
 /// Bodies in a row that may lie beside the series, such as the sacrum and C7.
 const MOST_BESIDE: usize = 2;
-/// Costs of one match through several bodies differ by rounding only. Matches that cost the same up to this are not told apart.
+/// Costs of one match through several bodies differ by rounding only. Matches whose costs differ by less count as one.
 const SAME: f64 = 1e-9;
 /// Lead of a match that is ten times as probable as the second best one.
 const CLEAR_LEAD: f64 = 4.6;
@@ -89,10 +89,7 @@ impl LevelMatch {
     }
 
     fn skips_a_body(&self) -> bool {
-        let named = |level: &Option<Level>| level.is_some();
-        let [first, last] =
-            [self.levels.iter().position(named), self.levels.iter().rposition(named)];
-        first.zip(last).is_some_and(|(first, last)| !self.levels[first..=last].iter().all(named))
+        self.levels.split(Option::is_none).filter(|run| !run.is_empty()).count() > 1
     }
 }
 
@@ -349,12 +346,7 @@ mod tests {
         // Vertebrae 3, 4, 6 and 7: one was missed.
         let own: Vec<Size> = [3, 4, 6, 7].map(vertebra).into();
         let known: [Size; LEVELS] = std::array::from_fn(vertebra);
-        let corners = Corners {
-            superior_left: Pixel::new(0.0, 0.0),
-            superior_right: Pixel::new(0.0, 0.0),
-            inferior_left: Pixel::new(0.0, 0.0),
-            inferior_right: Pixel::new(0.0, 0.0),
-        };
+        let corners = Corners::from([Pixel::new(0.0, 0.0); 4]);
         let bodies = vec![NamelessBody { corners, votes: [1.0 / LEVELS as f64; LEVELS] }; 4];
         let crests = Crests::new(&own, Frontal::new(0.0, 40.0), &known, Frontal::new(0.0, 41.0));
         let series = Series {

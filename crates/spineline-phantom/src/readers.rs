@@ -95,9 +95,7 @@ impl Readers {
             let seen = image.tilt_from_clockwise(tilt + bias.axis + scatter.axis);
             Angle::from_deg((seen.deg() * 10.0).round() / 10.0)
         });
-        let [superior_left, superior_right, inferior_left, inferior_right] = moved;
-        let corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
-        VertebraLandmarks { axis_clockwise, ..VertebraLandmarks::clicked(corners) }
+        VertebraLandmarks { axis_clockwise, ..VertebraLandmarks::clicked(Corners::from(moved)) }
     }
 }
 

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use spineline::analysis::{Case, Subject};
+use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Morphometry, Posture};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, LateralFilm, Reading, ReadingId,
@@ -177,11 +177,9 @@ pub fn generate_in_space(setup: &SpaceSetup) -> SpacePhantom {
         }
     }
     let case = Case {
-        id: format!("phantom-space-{}", setup.seed),
         synthetic: true,
-        subject: Subject::default(),
-        films: vec![film],
         lateral: Some(lateral_film(&lateral, from_side)),
+        ..Case::of_films(format!("phantom-space-{}", setup.seed), vec![film])
     };
     SpacePhantom { case, bodies }
 }

@@ -160,7 +160,7 @@ impl CaseText {
         Self(text_of(path, bytes).map_err(|error| (digest, error.into())))
     }
 
-    /// SHA-256, or why it is missing, and what tells the patient of the case from others.
+    /// The SHA-256, or why it is missing, and the marks of the patient.
     fn identity(&self) -> (String, Option<PatientMarks>) {
         match &self.0 {
             Ok(text) => {

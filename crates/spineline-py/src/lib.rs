@@ -63,7 +63,7 @@ mod _native {
     #[pymodule_export]
     const MAX_FILE_BYTES: u64 = spineline_files::MAX_FILE_BYTES;
 
-    /// Fewest replicates with a 95 % interval.
+    /// A 95 % interval needs this number of replicates.
     #[pymodule_export]
     const MIN_REPLICATES: u64 = spineline::uncertainty::Spread::MIN_COUNT;
 }

@@ -180,14 +180,13 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table without rows: for rows that come from several sources, or whose cells or columns are made together.
+    /// A table without rows. Use it where rows come from several sources, or where one step makes several cells.
     #[must_use]
     pub fn new(caption: impl Into<String>, columns: Vec<Column>) -> Self {
         Self { caption: caption.into(), columns, rows: Vec::new(), note: String::new() }
     }
 
-    /// A table with one row per item, whose columns are filled one by one: for cells that follow from their item alone, each beside its
-    /// head. Else [`Table::new`].
+    /// A table with one row per item. Each call adds one column. Use it where a cell needs only its item; else use [`Table::new`].
     pub(crate) fn of<R>(
         caption: impl Into<String>,
         items: impl IntoIterator<Item = R>,

@@ -244,15 +244,11 @@ impl LoadedTables<'_> {
         events.collect()
     }
 
-    /// The base and the top of the model, such as `L4-T2`.
-    fn ends(&self) -> String {
-        self.end_names().join("-")
-    }
-
     /// The lateral tilt with its reference, which is not the iliac line of films.
     #[must_use]
     pub fn lateral_tilt(&self) -> String {
-        format!("lateral tilt of {} against {}'s axis", self.ends(), self.end_names()[0])
+        let names = self.end_names();
+        format!("lateral tilt of {} against {}'s axis", names.join("-"), names[0])
     }
 
     fn end_names(&self) -> [&'static str; 2] {

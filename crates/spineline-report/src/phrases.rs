@@ -2,7 +2,6 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmMovement, FilmRole, FreeNumbers};
-use spineline::measure::SpacingPlane;
 
 pub use spineline::number::none;
 use spineline::number::{fixed, interval};
@@ -43,7 +42,7 @@ pub fn sentence_case(text: &str) -> String {
 /// Films of a patient whose lengths are pixels, as text such as `erect, left bending`; `None` where all have a scale.
 pub fn films_without_scale(analysis: &Analysis) -> Option<String> {
     let outlines = analysis.movement.films.iter().map(|posture| &posture.outline);
-    let without = outlines.filter(|outline| outline.scale.plane == SpacingPlane::Pixels);
+    let without = outlines.filter(|outline| !outline.scale.has_millimetres());
     let names: Vec<String> = without.map(|outline| outline.posture.to_string()).collect();
     (!names.is_empty()).then(|| names.join(", "))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rusqlite::Connection;
-use spineline::analysis::{Case, Subject};
+use spineline::analysis::Case;
 use spineline::anatomy::{FilmView, Posture, Side};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, LateralFilm, Reading, ReadingId as Reader,
@@ -40,8 +40,7 @@ pub(crate) enum AssembledFilm {
 
 /// The case of a study with these films.
 pub(crate) fn case(study: &Name, synthetic: bool, films: Vec<AssembledFilm>) -> Case {
-    let (id, subject) = (study.to_string(), Subject::default());
-    let mut case = Case { id, synthetic, subject, films: Vec::new(), lateral: None };
+    let mut case = Case { synthetic, ..Case::of_films(study.to_string(), Vec::new()) };
     for film in films {
         match film {
             AssembledFilm::Frontal(film) => case.films.push(film),

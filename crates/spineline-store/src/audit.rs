@@ -11,6 +11,7 @@ use rusqlite::{Connection, OptionalExtension, Params, Row, Statement, Transactio
 use serde::Serialize;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
+use spineline_files::is_sha256;
 
 use crate::error::StoreError;
 use crate::names::{Hash, Signature};
@@ -54,9 +55,8 @@ impl Head {
     /// Parses a stored head: a number and 64 hexadecimal digits.
     #[must_use]
     pub fn parse(entries: &str, hash: &str) -> Option<Self> {
-        let digits = hash.len() == 64 && hash.bytes().all(|byte| byte.is_ascii_hexdigit());
         let entries = entries.parse().ok()?;
-        digits.then(|| Self { entries, hash: Hash(hash.to_ascii_lowercase()) })
+        is_sha256(hash).then(|| Self { entries, hash: Hash(hash.to_ascii_lowercase()) })
     }
 }
 

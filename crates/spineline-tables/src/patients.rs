@@ -25,11 +25,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 
 fn subject(add: &mut Columns<'_, PatientRow<'_>>) {
     add.text("sex", "`female`, `male` or `other`, as stated in the case", |row| {
-        row.sex.map(|sex| match sex {
-            Sex::Female => "female",
-            Sex::Male => "male",
-            Sex::Other => "other",
-        })
+        row.sex.map(Sex::key)
     });
     add.number("age", Unit::Years, "age at the time of the films, as stated in the case", |row| {
         row.age_years

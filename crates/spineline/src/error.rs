@@ -89,7 +89,7 @@ pub enum Error {
     Stiffness(#[from] StiffnessError),
 }
 
-/// What the error of a step says.
+/// Calls a method of the error of a step.
 macro_rules! of_step {
     ($error:expr, $says:ident) => {
         match $error {

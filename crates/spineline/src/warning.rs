@@ -14,6 +14,19 @@ pub fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, noun: &str
     format!("{count} {noun}{ending}")
 }
 
+/// Most names in a sentence.
+const NAMED: usize = 8;
+
+/// The first names, and how many more there are.
+pub(crate) fn first_named(names: impl Iterator<Item = String>, count: usize) -> String {
+    let mut named: Vec<String> = names.take(NAMED).collect();
+    let more = count.saturating_sub(named.len());
+    if more > 0 {
+        named.push(format!("{more} more"));
+    }
+    named.join(", ")
+}
+
 /// A shift of levels in words: `one level higher` (1), `two levels lower` (−2).
 #[must_use]
 pub fn levels_apart(shift: isize) -> String {

@@ -72,13 +72,13 @@ it("offers proposals only where they save time against two clicks", () => {
 
 it("asks to check doubtful levels first", () => {
   const all = spine(14);
-  const told = (areLevelsDoubtful: boolean): string[] =>
+  const told = (are_levels_doubtful: boolean): string[] =>
     aboutProposals({
       detection: {
         ...UNSEEN,
-        found: all,
+        proposals: all,
         levels: "51 % probable",
-        areLevelsDoubtful,
+        are_levels_doubtful,
         remarks: ["T1 left out"],
       },
       offer: null,

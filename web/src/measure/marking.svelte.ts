@@ -89,7 +89,7 @@ export class Marking {
   readonly mayMarkPedicles = $derived(this.changeable && !this.#recorded.image.is_lateral);
   readonly #open = $derived(
     this.mayPropose && (this.way === "walls" || this.#pending.length === 0)
-      ? proposing.openProposals(this.reading, this.detection.found)
+      ? proposing.openProposals(this.reading, this.detection.proposals)
       : [],
   );
   /** Proposals that one key accepts. */
@@ -103,7 +103,7 @@ export class Marking {
   readonly proposals = $derived(this.proposes ? this.#open : this.acceptable);
   /** What is said of the found vertebrae before a person begins with them, or chooses one. */
   readonly offer = $derived(
-    this.#chosen === null ? offerOf(this.detection.found, this.proposals) : null,
+    this.#chosen === null ? offerOf(this.detection.proposals, this.proposals) : null,
   );
   readonly dragging = $derived(this.#draft.length > 0);
 
@@ -191,7 +191,7 @@ export class Marking {
     }
     this.#turning = null;
     // Proposals of the recorded reading: the drag itself must not make its proposal vanish.
-    const open = proposing.openProposals(this.#recorded, this.detection.found);
+    const open = proposing.openProposals(this.#recorded, this.detection.proposals);
     this.#draft = proposing.dragged(this.#recorded, this.reading, open, landmark, round(to));
     this.#sendPreview({ events: [...this.#pending, ...this.#draft] });
   }
@@ -210,8 +210,7 @@ export class Marking {
       return;
     }
     this.#draft = [];
-    if (draft.length === 0) return;
-    this.#record(draft);
+    if (draft.length > 0) this.#record(draft);
   }
 
   /** The page closes: an axis that waits for its angle is recorded with the drawn angle. */
@@ -249,13 +248,15 @@ export class Marking {
     this.said = this.proposes ? "vertebrae proposed" : "no vertebra proposed";
     if (!this.proposes || this.#open.length > 0) return;
     // Detection takes the crests that are saved.
-    this.detects = this.#pending.length === 0;
-    if (!this.detects) [this.proposes, this.said] = [false, "saving clicks: press P again"];
-    if (!this.detects) return;
+    if (this.#pending.length > 0) {
+      [this.proposes, this.said] = [false, "saving clicks: press P again"];
+      return;
+    }
+    this.detects = true;
     this.detection = await proposing.detected(this.#recorded.reading);
     this.detects = false;
     this.trouble = this.detection.trouble ?? this.trouble;
-    if (this.detection.found.length === 0) return;
+    if (this.detection.proposals.length === 0) return;
     // Two clicks replace a vertebra that was not found clearly.
     [this.#way, this.#chosen, this.selected] = ["walls", null, null];
   }
@@ -298,8 +299,8 @@ export class Marking {
   /** Names every vertebra, marked or found in the picture, one level up or down. */
   shiftLevels(up: boolean): void {
     if (!this.changeable) return;
-    const found = proposing.shifted(this.detection.found, this.#recorded, up);
-    this.detection = { ...this.detection, found };
+    const proposals = proposing.shifted(this.detection.proposals, this.#recorded, up);
+    this.detection = { ...this.detection, proposals };
     [this.#chosen, this.selected] = [null, null];
     if (this.reading.vertebrae.length > 0) this.#record([{ kind: "shift_levels", up }]);
     this.said = `all levels one ${up ? "up" : "down"}`;
@@ -354,8 +355,7 @@ export class Marking {
 
   select(landmark: Landmark | null): void {
     this.selected = landmark;
-    if (!landmark) return;
-    this.said = `${wordsOf(landmark)}${placeWords(placeOf(this.reading, landmark))}`;
+    if (landmark) this.said = `${wordsOf(landmark)}${placeWords(placeOf(this.reading, landmark))}`;
   }
 
   /** Whether a reported change is not known here. */

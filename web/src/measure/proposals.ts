@@ -121,18 +121,14 @@ export function dragged(
 }
 
 /** Vertebrae in the picture, and how sure their levels are. */
-export interface Detected {
-  readonly found: readonly Proposal[];
-  readonly levels: string;
-  readonly areLevelsDoubtful: boolean;
-  readonly remarks: readonly string[];
-  readonly trouble: Trouble | null;
+export interface Detected extends Omit<Api<"DetectionView">, "refused"> {
+  trouble: Trouble | null;
 }
 
 export const UNSEEN: Detected = {
-  found: [],
+  proposals: [],
   levels: "",
-  areLevelsDoubtful: false,
+  are_levels_doubtful: false,
   remarks: [],
   trouble: null,
 };
@@ -141,14 +137,8 @@ export const UNSEEN: Detected = {
 export async function detected(reading: number): Promise<Detected> {
   const what = "No vertebrae found in the picture";
   try {
-    const view = await detectVertebrae(reading);
-    return {
-      found: view.proposals,
-      levels: view.levels,
-      areLevelsDoubtful: view.are_levels_doubtful,
-      remarks: view.remarks,
-      trouble: view.refused ? { what, error: view.refused } : null,
-    };
+    const { refused, ...view } = await detectVertebrae(reading);
+    return { ...view, trouble: refused ? { what, error: refused } : null };
   } catch (error) {
     return { ...UNSEEN, trouble: { what, error } };
   }
@@ -168,9 +158,9 @@ export function aboutProposals(
   marking: Pick<Marking, "detection" | "offer" | "proposals" | "misfits">,
 ): Message[] {
   const { detection, offer, proposals, misfits } = marking;
-  const { levels, areLevelsDoubtful, remarks } = detection;
-  // A doubt of the levels has all the room: outlines and list show what is to check.
-  const left = offer || areLevelsDoubtful ? "" : leftWords(proposals);
+  const { levels, are_levels_doubtful, remarks } = detection;
+  // If the levels are doubtful, outlines and list alone show what to check.
+  const left = offer || are_levels_doubtful ? "" : leftWords(proposals);
   const help = "U names all vertebrae one level up, J one level down.";
   const told: (Message | false)[] = [
     misfits.length > 0 && {
@@ -178,7 +168,7 @@ export function aboutProposals(
       text: `${misfits.join(", ")}: the picture has other edges; click the walls`,
     },
     levels !== "" &&
-      (areLevelsDoubtful && !offer?.isSlow
+      (are_levels_doubtful && !offer?.isSlow
         ? { severity: "warning", text: `Check the levels first (U, J): ${levels}`, help }
         : { severity: "note", text: `Levels: ${levels}` }),
     left !== "" && { severity: "note", text: left },

@@ -12,13 +12,10 @@ export class Loaded<T> {
 
   readonly #gone = new AbortController();
 
-  /** Loads a component's data at its start unless it waits for a call. When the component is gone, the signal aborts `read`, and nothing is loaded again. */
-  constructor(
-    private readonly read: (signal: AbortSignal) => Promise<T>,
-    starts = true,
-  ) {
+  /** Loads the data when the component starts. When the component goes, the signal aborts the request. */
+  constructor(private readonly read: (signal: AbortSignal) => Promise<T>) {
     onMount(() => {
-      if (starts) void this.load();
+      void this.load();
       return () => this.#gone.abort();
     });
   }

@@ -47,9 +47,9 @@ function partsOf(hash: string): string[] {
 
 export function addressOf(page: Page): string {
   if (!("study" in page)) return `#/${ALONE[page.name]}`;
-  const film = page.name === "measure" && page.film !== undefined ? `/${page.film}` : "";
-  const end = page.name === "measure" ? `measure${film}` : OF_STUDY[page.name];
-  return `#/studies/${encodeURIComponent(page.study)}/${end}`;
+  const study = `#/studies/${encodeURIComponent(page.study)}`;
+  if (page.name !== "measure") return `${study}/${OF_STUDY[page.name]}`;
+  return page.film === undefined ? `${study}/measure` : `${study}/measure/${page.film}`;
 }
 
 /** The address without the film, which a page changes without being created again. */

@@ -57,9 +57,6 @@ const SEVERITIES: Words<Api<"Severity">> = {
   error: "Error",
 };
 
-/** The words in front of the report's notices. */
-const REPORT_NOTICES: Words<Api<"ReportNoticeKind">> = { ...SEVERITIES, banner: "Read first" };
-
 const LINES: Words<Api<"LineKindName">> = {
   inflection_line: "Inflection line",
   iliac_line: "Iliac line",
@@ -103,8 +100,6 @@ export const roleWord = (role: Api<"RoleName">): string => ROLES[role];
 export const statusWord = (status: Api<"StudyStatus">): string => STATUSES[status];
 
 export const severityWord = (severity: Api<"Severity">): string => SEVERITIES[severity];
-
-export const reportNoticeWord = (kind: Api<"ReportNoticeKind">): string => REPORT_NOTICES[kind];
 
 export const lineWord = (line: Api<"LineKindName">): string => LINES[line];
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::command::run_until;
+use crate::command::run_with_codes;
 use crate::files::read;
 use crate::python;
 
@@ -50,7 +50,7 @@ pub fn read_all(folder: &Path) -> Result<Numbers, String> {
 
 fn spineline(program: &Path, folder: &Path, arguments: &[&str]) -> Result<(), String> {
     let program = python::text(program)?;
-    run_until(folder, &program, arguments, &[("SOURCE_DATE_EPOCH", "0")], &[0, INCOMPLETE])
+    run_with_codes(folder, &program, arguments, &[("SOURCE_DATE_EPOCH", "0")], &[0, INCOMPLETE])
 }
 
 fn collect(place: &str, json: &Value, numbers: &mut Numbers) {

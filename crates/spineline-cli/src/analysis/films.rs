@@ -6,7 +6,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline::warning::{WarningCode, Warnings};
-use spineline_files::{CaseFile, is_picture_name};
+use spineline_files::CaseFile;
 use spineline_films::{Stated, film_doubts};
 use spineline_landmarks::read_source;
 
@@ -59,7 +59,7 @@ fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
     let lateral = case.lateral.as_ref().and_then(|film| {
         Some((None, (film.image.columns, film.image.rows), file.lateral_source()?.file?))
     });
-    let named = frontal.chain(lateral).filter(|(.., name)| is_picture_name(name));
+    let named = frontal.chain(lateral);
     let placed =
         named.map(|(posture, size, name)| Beside { posture, size, place: folder.join(name) });
     placed.filter(|film| film.place.is_file()).collect()

@@ -11,7 +11,7 @@ use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline_files::{
     CaseFile, ExportFormat, FileError, FilmOrigin, InputFile, Provenance, ProvenanceFile, export,
-    is_picture_name, parse_case_file, read_text, to_text,
+    parse_case_file, read_text, to_text,
 };
 use spineline_landmarks::{
     ExportedFile, LandmarkTarget, SourceImage, export_landmarks, export_lateral, openable_pictures,
@@ -236,13 +236,6 @@ fn read_sources(
     let mut sources = BTreeMap::new();
     for film in case.films.iter().filter(|film| args.posture.is_none_or(|p| p == film.posture)) {
         if let Some(name) = file.source(film.posture).and_then(|source| source.file) {
-            // A case may only name pictures in its own folder.
-            if !is_picture_name(&name) {
-                let error =
-                    format!("{} film: its `file` is outside the folder of the case", film.posture);
-                let help = "put the picture beside the case file";
-                return Err(Failure::input(args.file.display(), error, help));
-            }
             let source = read_source(&folder.join(name))
                 .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
             sources.insert(film.posture, source);

@@ -1,7 +1,5 @@
 //! The picture of a film: size, spacing, sides and file.
 
-use std::path::{Component, Path};
-
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use spineline::anatomy::{FilmView, ImageSide, Posture};
@@ -9,6 +7,7 @@ use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline::spatial::Pixel;
 
 use crate::FileError;
+use crate::digest::is_sha256;
 use crate::json::parse_value;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,12 +91,10 @@ pub struct FilmSource {
     pub inverted: bool,
 }
 
-/// Whether a text is the name of a file on every system, without folder and drive: a case names only pictures beside it.
+/// Whether a text names a file on every system, without a folder and a drive. A case names only pictures beside it.
 #[must_use]
 pub fn is_picture_name(text: &str) -> bool {
-    let mut parts = Path::new(text).components();
-    let is_one = matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None));
-    is_one && !text.contains(['/', '\\', ':'])
+    !matches!(text, "" | "." | "..") && !text.contains(['/', '\\', ':'])
 }
 
 impl FilmSource {
@@ -107,16 +104,14 @@ impl FilmSource {
         Self { file: file.cloned(), sha256, inverted }
     }
 
-    /// Refuses a file in a folder, and a SHA-256 that is none.
+    /// Refuses a file in a folder, and a text that is not a SHA-256.
     pub(super) fn check(&self, film: &str) -> Result<(), FileError> {
         if let Some(file) = self.file.as_deref().filter(|file| !is_picture_name(file)) {
             let last = file.rsplit(['/', '\\', ':']).next().filter(|name| is_picture_name(name));
             let (film, name) = (film.to_owned(), last.map(str::to_owned));
             return Err(FileError::PictureFolder { film, name });
         }
-        let is_hash =
-            |text: &String| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
-        match self.sha256.clone().filter(|text| !is_hash(text)) {
+        match self.sha256.clone().filter(|text| !is_sha256(text)) {
             Some(found) => Err(FileError::PictureHash { film: film.to_owned(), found }),
             None => Ok(()),
         }

@@ -194,7 +194,8 @@ impl CaseFile {
     ///
     /// # Errors
     /// [`FileError::CaseId`], [`FileError::Lenke`], [`FileError::PictureFolder`], [`FileError::PictureHash`],
-    /// [`FileError::PictureTwice`], [`FileError::Vertebra`], [`FileError::MixedKinds`], [`FileError::NoImage`].
+    /// [`FileError::PictureTwice`], [`FileError::Vertebra`], [`FileError::Angle`], [`FileError::LengthsOfPixels`],
+    /// [`FileError::MixedKinds`], [`FileError::NoImage`].
     pub fn into_case(self) -> Result<Case, FileError> {
         if !is_case_id(&self.case_id) {
             return Err(FileError::CaseId { found: self.case_id });

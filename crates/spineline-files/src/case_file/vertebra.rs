@@ -54,14 +54,14 @@ pub(super) struct VertebraRecord {
     tilt_deg: Option<f64>,
 }
 
-/// What the numbers of a vertebra are.
+/// Landmarks, or a location and a tilt.
 pub(super) enum Kind {
     Marked(VertebraLandmarks),
     Measured(Placement),
 }
 
 impl VertebraRecord {
-    /// What it is; refuses an angle of more than half a turn, and a vertebra that is neither marked nor measured.
+    /// Returns its landmarks or its placement. Refuses an angle of more than half a turn, and a vertebra without both.
     pub fn check(&self, place: impl Fn() -> String) -> Result<Kind, FileError> {
         for (key, deg) in [("axis_deg", self.axis_deg), ("tilt_deg", self.tilt_deg)] {
             if let Some(deg) = deg.filter(|deg| Angle::within_half_turn(*deg).is_none()) {

@@ -186,7 +186,7 @@ struct Named {
     by_detector: usize,
     by_lengths: Right,
     by_crests: Right,
-    /// Crests that lie elsewhere along the spine by as much as the program takes for a standard deviation.
+    /// Crests moved along the spine by errors with the standard deviation that the program assumes.
     by_moved_crests: Right,
 }
 

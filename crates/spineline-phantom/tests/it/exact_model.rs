@@ -75,7 +75,7 @@ impl Patient {
         }
     }
 
-    /// What `of` makes of a fit of the films.
+    /// Fits the films, and returns the result of `of` on the fit.
     pub fn fitted<T>(
         &self,
         films: &[Outline; 2],

@@ -63,8 +63,7 @@ fn read_again(case: &mut Case, (from, to): (Posture, Posture), readers: &Readers
                 place.row_px + corner.sample(&mut rng) / row_mm,
             )
         });
-        let [superior_left, superior_right, inferior_left, inferior_right] = moved;
-        landmark.corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
+        landmark.corners = Corners::from(moved);
         let by = spineline::spatial::Angle::from_rad(axis.sample(&mut rng));
         landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| axis + by);
     }

@@ -66,7 +66,7 @@ fn kind_of_film(section: &mut Section, cohort: &Cohort, name: &str, films: &str,
         let pooled = location_mm.pooled;
         let without = match role {
             FilmRole::LeftOutBend => errors.without_result,
-            FilmRole::Fitted | FilmRole::HeldOut => errors.unusable,
+            FilmRole::Fitted | FilmRole::HeldOut => cohort.compared.unusable(errors.kind, role),
         };
         table.row(vec![
             errors.kind.to_string(),

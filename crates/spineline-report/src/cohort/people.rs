@@ -153,7 +153,7 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
     let rows = patients.analyses.iter().zip(patients.subjects);
     section.table(Table::of(caption, rows, |add| {
         add.words("Case", |(one, _)| one.case_id.clone());
-        add.words("Sex", |(_, subject)| subject.sex.map_or_else(none, |sex| sex_words(sex).into()));
+        add.words("Sex", |(_, subject)| subject.sex.map_or_else(none, |sex| sex.to_string()));
         add.numbers("Age (years)", |(_, subject)| {
             subject.age_years.map_or_else(none, |age| fixed(age, 0))
         });
@@ -179,14 +179,6 @@ fn lenke_number(analysis: &Analysis) -> String {
     analysis.movement.lenke.map_or_else(none, |lenke| lenke.number.to_string())
 }
 
-const fn sex_words(sex: Sex) -> &'static str {
-    match sex {
-        Sex::Female => "female",
-        Sex::Male => "male",
-        Sex::Other => "other",
-    }
-}
-
 fn summary(patients: &Patients<'_>) -> Table {
     let columns = vec![
         Column::words("Quantity"),
@@ -200,9 +192,9 @@ fn summary(patients: &Patients<'_>) -> Table {
         let is = |subject: &&Subject| subject.sex == Some(sex);
         (sex, patients.subjects.iter().filter(is).count())
     };
-    for (sex, n) in [Sex::Female, Sex::Male, Sex::Other].map(counted) {
+    for (sex, n) in Sex::ALL.map(counted) {
         if n > 0 {
-            let name = format!("Sex: {}", sex_words(sex));
+            let name = format!("Sex: {sex}");
             table.row(vec![name, n.to_string(), none(), none(), none()]);
         }
     }

@@ -4,7 +4,7 @@ use kuva::render::render::{Primitive, TextAnchor};
 use spineline::action::LineOfAction;
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Levels};
-use spineline::measure::{Outline, SpacingPlane};
+use spineline::measure::Outline;
 use spineline::spatial::Frontal;
 
 use super::panel::{Axis, Panel, Ticks};
@@ -88,7 +88,7 @@ impl Extent {
 
 /// Whether lengths on a film are millimetres.
 pub fn has_scale(outline: &Outline) -> bool {
-    outline.scale.plane != SpacingPlane::Pixels
+    outline.scale.has_millimetres()
 }
 
 /// How films without a scale are drawn; `None` where all have one.

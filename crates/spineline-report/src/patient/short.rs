@@ -31,8 +31,7 @@ impl<'a> Intervals<'a> {
 
     /// The source for a model: its films, or else the replicates.
     fn of_model(self, analysis: &Analysis, model: &LineModel) -> Option<Source<'a>> {
-        let place = analysis.models.iter().position(|other| other.kind == model.kind);
-        let found = place.zip(self.identifiability).and_then(|(place, all)| all[place].as_ref());
+        let found = self.identifiability.and_then(|all| analysis.entry_of(model.kind, all));
         found.map(Source::Films).or_else(|| self.uncertainty.map(Source::Replicates))
     }
 }
@@ -92,7 +91,7 @@ fn answers(analysis: &Analysis, intervals: Intervals<'_>) -> Section {
     section.paragraph(format!("Which line? {}", headline.line));
     let noise = measured::noise_words(analysis);
     section.paragraph(format!("How sure? {}", joined([headline.prediction, Some(noise)])));
-    let chosen = analysis.models.iter().find(|model| Some(model.kind) == headline.kind);
+    let chosen = headline.kind.and_then(|kind| analysis.model(kind));
     if let Some(model) = chosen {
         let values = multipliers(analysis, model, intervals);
         section.paragraph(format!("How stiff? {}", joined([headline.stiffness, Some(values)])));
@@ -141,18 +140,20 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
     }
     let verdicts = model.verdicts(analysis);
     let source = intervals.of_model(analysis, model);
-    let mut words = "";
+    let interval = |group: usize| {
+        let is_fitted = model.fit.bounds[group] == StiffnessBound::Inside
+            && verdicts[group].ending != MultiplierEnding::OthersAtBounds;
+        source.filter(|_| is_fitted)?.interval(model, group)
+    };
+    let intervals: Vec<Option<String>> = (0..values.len()).map(interval).collect();
+    let words = source.filter(|_| intervals.iter().any(Option::is_some)).map_or("", Source::words);
     let one = |(group, (name, value)): (usize, (String, f64))| {
         let note = match (model.fit.bounds[group], verdicts[group].ending) {
             (StiffnessBound::Lower | StiffnessBound::Upper, _) => Some("at its bound".to_owned()),
             (_, MultiplierEnding::OthersAtBounds) => {
                 Some("no value: the others are at their bounds".to_owned())
             }
-            _ => source.and_then(|source| {
-                let interval = source.interval(model, group)?;
-                words = source.words();
-                Some(interval)
-            }),
+            _ => intervals[group].clone(),
         };
         let note = note.map_or_else(String::new, |text| format!(" ({text})"));
         format!("{} {}{note}", name, fixed(value, 2))

@@ -136,8 +136,8 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
         found.seed,
         found.failed
     ));
-    found.few_words().into_iter().for_each(|words| section.paragraph(words));
-    for words in found.noise_words().into_iter().chain(found.failure_words()) {
+    let words = found.few_words().into_iter().chain(found.noise_words());
+    for words in words.chain(found.failure_words()) {
         section.paragraph(words);
     }
     section.notice(Notice::new(NoticeKind::Note, Uncertainty::CAVEAT));

@@ -283,13 +283,14 @@ impl ErrorRow {
     }
 
     fn number(&self, columns: &Columns<'_>) -> PaperNumber {
-        let cell = |errors: &RoleErrors| {
-            let values =
-                if self.unit == "deg" { &errors.ferguson_deg } else { &errors.location_mm };
-            Cell::of(&values.pooled, 2).without(errors.unusable)
-        };
         let of_cohort = |cohort: &Cohort| {
-            cohort.compared.of_line(self.kind, self.role).map_or_else(Cell::missing, cell)
+            let (kind, role) = (self.kind, self.role);
+            let cell = |errors: &RoleErrors| {
+                let values =
+                    if self.unit == "deg" { &errors.ferguson_deg } else { &errors.location_mm };
+                Cell::of(&values.pooled, 2).without(cohort.compared.unusable(kind, role))
+            };
+            cohort.compared.of_line(kind, role).map_or_else(Cell::missing, cell)
         };
         match self.paper {
             Some(paper) => compared(self.name, self.unit, paper, columns, of_cohort),
@@ -331,8 +332,7 @@ fn models(columns: &Columns<'_>, support: Support) -> Part {
     rows.extend(reductions(columns));
     rows.extend(test_rows(columns));
     let contradicted = |cohort: &Cohort| {
-        let found = cohort.contradicted.iter().find(|(kind, _)| *kind == LineKind::Inflection);
-        found.map_or_else(Cell::missing, |(_, joints)| Cell::of(&joints.pooled, 1))
+        cohort.contradicted.as_ref().map_or_else(Cell::missing, |joints| Cell::of(joints, 1))
     };
     let name = "counter-rotating joints of 14, Model-1".to_owned();
     rows.push(ours(name, "1", columns.map(contradicted)));

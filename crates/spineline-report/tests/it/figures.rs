@@ -1,7 +1,7 @@
 //! Every figure is made, contains the required texts, and has equal bytes each time.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::evaluate::Simulation;
 use spineline::measure::{
@@ -52,13 +52,7 @@ fn analysis(synthetic: bool, postures: &[Posture]) -> Analysis {
         Posture::Traction => film(posture, 0.6, -0.1),
     };
     let films = postures.iter().map(make).collect();
-    let case = Case {
-        id: "test <1> & co".to_owned(),
-        synthetic,
-        subject: Subject::default(),
-        films,
-        lateral: None,
-    };
+    let case = Case { synthetic, ..Case::of_films("test <1> & co", films) };
     analyze(&case, &AnalysisOptions::default()).expect("the case is sound")
 }
 

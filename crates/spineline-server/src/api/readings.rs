@@ -213,7 +213,7 @@ pub struct DetectionView {
     pub levels: String,
     /// Whether a person has to check the levels first.
     pub are_levels_doubtful: bool,
-    /// What else to know of the proposals, as texts.
+    /// Other remarks on the proposals, as texts.
     pub remarks: Vec<String>,
     /// The vertebrae, caudal first.
     pub proposals: Vec<Proposal>,

@@ -20,6 +20,13 @@ impl Analysis {
         self.models.iter().find(|model| model.kind == kind)
     }
 
+    /// The entry of a line's model in a list with one entry per model.
+    #[must_use]
+    pub fn entry_of<'a, T>(&self, kind: LineKind, all: &'a [Option<T>]) -> Option<&'a T> {
+        let place = self.models.iter().position(|model| model.kind == kind)?;
+        all[place].as_ref()
+    }
+
     /// The converged model of the line that best predicts films that were not fitted; if no line predicts any, the first converged
     /// model, or else the first model. `None` without any model.
     ///

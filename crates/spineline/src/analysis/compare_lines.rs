@@ -65,7 +65,8 @@ impl Analysis {
         let movement = &self.movement;
         let film = movement.film(posture).filter(|_| role != FilmRole::Fitted);
         let Some(film) = film.map(|film| &film.outline) else { return Vec::new() };
-        if [film, &movement.erect().outline].iter().any(|one| !one.scale.has_millimetres()) {
+        let erect = &movement.erect().outline;
+        if ![film, erect].iter().all(|one| one.scale.has_millimetres()) {
             return Vec::new();
         }
         let other = match posture {
@@ -73,7 +74,6 @@ impl Analysis {
             Posture::RightBending => movement.film(Posture::LeftBending),
             _ => None,
         };
-        let erect = &movement.erect().outline;
         let mirrored = other.map(|bend| joint_rotations(erect, &bend.outline));
         let published = published_lateral_bending(movement.levels());
         let patterns = mirrored.map(|pattern| (Baseline::MirroredBend, pattern));

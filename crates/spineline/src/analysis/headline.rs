@@ -26,21 +26,18 @@ impl Analysis {
     pub fn headline(&self, identifiability: Option<&[Option<Identifiability>]>) -> Headline {
         let compared = self.comparison();
         let chosen = self.choose_model();
-        let place =
-            chosen.and_then(|chosen| self.models.iter().position(|m| m.kind == chosen.kind));
-        let Some((place, model)) = place.map(|place| (place, &self.models[place])) else {
+        let Some(model) = chosen.and_then(|chosen| self.model(chosen.kind)) else {
             let line = self.verdict().join(" ");
             return Headline { line, prediction: None, stiffness: None, kind: None };
         };
+        let tested = identifiability.and_then(|all| self.entry_of(model.kind, all));
         let doubted = self.has_doubted_film().then(|| {
             "Check the films first: some may not show what they are named after.".to_owned()
         });
         Headline {
             line: doubted.or_else(|| self.lines_headline()).unwrap_or_default(),
             prediction: compared.prediction_headline(),
-            stiffness: Some(
-                self.stiffness_headline(model, identifiability.and_then(|all| all[place].as_ref())),
-            ),
+            stiffness: Some(self.stiffness_headline(model, tested)),
             kind: Some(model.kind),
         }
     }
@@ -86,23 +83,20 @@ impl Analysis {
         let missing = model.groups.titles().zip(&found).filter(|(_, found)| !**found);
         let missing: Vec<String> = missing.map(|(name, _)| name).collect();
         let (all, kind) = (found.len(), model.kind);
-        let (who, lack, open) = if tested.is_some() {
-            ("the films identify", "not identified", "")
-        } else {
-            let open = " (not tested)";
-            ("the fit finds", "without a value", open)
+        let (who, lack, open) = match tested {
+            Some(_) => ("the films identify", "not identified", ""),
+            None => ("the fit finds", "without a value", " (not tested)"),
         };
-        match all - missing.len() {
-            0 => format!("With the {kind}, {who} no stiffness value."),
-            n => {
-                let missing = if n == all {
-                    String::new()
-                } else {
-                    format!("; {lack}: {}", listed(&missing))
-                };
-                format!("With the {kind}, {who} {n} of {all} stiffness values{open}{missing}.")
-            }
+        let count = all - missing.len();
+        if count == 0 {
+            return format!("With the {kind}, {who} no stiffness value.");
         }
+        let missing = if missing.is_empty() {
+            String::new()
+        } else {
+            format!("; {lack}: {}", listed(&missing))
+        };
+        format!("With the {kind}, {who} {count} of {all} stiffness values{open}{missing}.")
     }
 }
 

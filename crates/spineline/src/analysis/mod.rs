@@ -105,8 +105,7 @@ pub fn is_case_id(text: &str) -> bool {
 }
 
 /// Lenke classes, in words.
-pub const LENKE_RULE: &str =
-    "a type from 1 to 6, then A, B or C, then -, N or +, as far as they are known: 1, 1A or 1AN";
+pub const LENKE_RULE: &str = "a type from 1 to 6, such as 1; the modifiers A, B or C and -, N or + may follow, as in 1A and 1AN";
 
 /// Whether a text is a Lenke class, by [`LENKE_RULE`].
 #[must_use]

@@ -52,7 +52,7 @@ pub struct PersonalisedModel {
     pub support: Support,
     /// Loads that were found, one per simulated posture; empty where the erect film alone carries the weight of the trunk.
     pub loads: Vec<FilmLoad>,
-    /// What the films say against this model, in sentences.
+    /// Doubts about this model, by the films: one sentence each.
     pub doubts: Vec<String>,
 }
 
@@ -123,7 +123,7 @@ impl Analysis {
         }
     }
 
-    /// What the films say against the model of a line.
+    /// The doubts about the model of a line, by the films.
     fn doubts(&self, line: &LineModel) -> Vec<String> {
         let rejected = self.compatibility(line).outcome() == TestOutcome::Rejected;
         let rejected = rejected.then(|| {

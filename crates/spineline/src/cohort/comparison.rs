@@ -32,7 +32,7 @@ pub struct PairedComparison {
     pub patients: Option<PairedT>,
     /// Chance: a permutation test over one mean difference per patient.
     pub sign_flip: Option<SignFlip>,
-    /// 95 % percentile interval of the mean difference, resampling patients; `None` of fewer than
+    /// 95 % percentile interval of the mean difference, resampling patients; `None` for fewer than
     /// [`Resampling::FEWEST`](crate::evaluate::statistics::Resampling::FEWEST). With fewer than twenty it is somewhat narrow.
     pub bootstrap: Option<[f64; 2]>,
     /// Mean over the deviation of the patients' differences.

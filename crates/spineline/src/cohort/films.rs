@@ -4,10 +4,7 @@ use std::cmp::Reverse;
 
 use crate::analysis::{Analysis, listed};
 use crate::anatomy::{Levels, Posture};
-use crate::warning::{WarningCode, counted};
-
-/// Patients whose films are named in a sentence; a report names all.
-const NAMED: usize = 8;
+use crate::warning::{WarningCode, counted, first_named};
 
 /// A film that may not show what it is named after.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,15 +82,10 @@ pub(super) fn doubted_sentence(
         }
         format!("{} ({})", films[0].case_id, names.join(", "))
     };
-    let mut named: Vec<String> = by_patient().take(NAMED).map(name).collect();
-    let more = doubted.saturating_sub(named.len());
-    if more > 0 {
-        named.push(format!("{more} more"));
-    }
     (doubted > 0).then(|| {
+        let named = first_named(by_patient().map(name), doubted);
         format!(
-            "Films of {doubted} of {patients} patients may be wrong; check them first: {}.",
-            named.join(", ")
+            "Films of {doubted} of {patients} patients may be wrong; check them first: {named}."
         )
     })
 }

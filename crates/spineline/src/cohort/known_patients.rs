@@ -1,4 +1,4 @@
-//! The patients of a cohort: none counts twice.
+//! The patients of a cohort. Each patient counts once.
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -7,7 +7,7 @@ use crate::analysis::Case;
 use crate::anatomy::Posture;
 use crate::measure::{Film, FilmLandmarks, Reading};
 
-/// What tells a patient from others: the identifier, in any case of its letters, and the landmarks of every reading of its frontal films.
+/// Identifies a patient: the identifier, in any case of its letters, and the landmarks of every reading of the frontal films.
 #[derive(Debug, Clone)]
 pub struct PatientMarks {
     id: String,
@@ -69,7 +69,8 @@ impl KnownPatients {
     /// If the patient was added before.
     pub fn add(&mut self, patient: PatientMarks) -> Result<(), SamePatient> {
         let PatientMarks { id, readings } = patient;
-        if let Some(&earlier) = self.by_id.get(&id.to_lowercase()) {
+        let key = id.to_lowercase();
+        if let Some(&earlier) = self.by_id.get(&key) {
             return Err(SamePatient::Identifier { id, earlier: self.ids[earlier].clone() });
         }
         let earlier = |(posture, reading): &(Posture, u64)| {
@@ -80,14 +81,14 @@ impl KnownPatients {
         }
         let place = self.ids.len();
         self.by_reading.extend(readings.into_iter().map(|(_, reading)| (reading, place)));
-        self.by_id.insert(id.to_lowercase(), place);
+        self.by_id.insert(key, place);
         self.ids.push(id);
         Ok(())
     }
 }
 
 impl PatientMarks {
-    /// Of a case that can be read no further than its identifier.
+    /// Of a case whose identifier alone can be read.
     #[must_use]
     pub const fn of_id(id: String) -> Self {
         Self { id, readings: Vec::new() }

@@ -52,8 +52,6 @@ pub struct RoleErrors {
     pub films: usize,
     /// Films without a result.
     pub without_result: usize,
-    /// Of these, the films whose shape does not count as a result.
-    pub unusable: usize,
     /// Location errors, in mm.
     pub location_mm: Clustered,
     /// All of them, patient by patient.
@@ -185,6 +183,13 @@ impl LinesOverPatients {
         self.of_role(role).find(|errors| errors.kind == kind)
     }
 
+    /// Films of a role whose shape under a line does not count as a result.
+    #[must_use]
+    pub fn unusable(&self, kind: LineKind, role: FilmRole) -> usize {
+        let of_line = self.missing.iter().filter(|one| (one.kind, one.role) == (kind, role));
+        of_line.filter(|one| !matches!(one.reason, NoResult::NoModel | NoResult::NoLine)).count()
+    }
+
     /// The test of two lines on the films of a role; `None` where no patient has a model of one of them.
     #[must_use]
     pub fn test(
@@ -231,7 +236,6 @@ fn role_errors(kinds: &[LineKind], patients: &Patients<'_>) -> Vec<RoleErrors> {
             role,
             films,
             without_result,
-            unusable: patients.count(|seen| seen.patient.unusable(role, kind)),
             location_mm,
             all_location_mm: patients.values(|seen, values| add(seen, &samples[0], values)),
             ferguson_deg,

@@ -105,8 +105,8 @@ pub struct Cohort {
     pub two_inflections: usize,
     /// Patients with a film without a scale, which does not count in lengths.
     pub without_scale: usize,
-    /// By line of action that was modelled: joints per fitted film that turn against the force.
-    pub contradicted: Vec<(LineKind, Clustered)>,
+    /// Joints per fitted film that turn against the force along the inflection line; `None` where no patient has a model of it.
+    pub contradicted: Option<Summary>,
     /// The lines on the same films, bends left out among them, with every test between them.
     pub compared: LinesOverPatients,
     /// Predictions without mechanics, and whether lines beat them.
@@ -203,7 +203,7 @@ impl Cohort {
             table_2: table_2(&patients),
             two_inflections: all.iter().filter(|patient| patient.inflections == 2).count(),
             without_scale: all.iter().filter(|patient| !patient.has_scale()).count(),
-            contradicted: contradicted(&patients, &kinds),
+            contradicted: kinds.contains(&LineKind::Inflection).then(|| contradicted(all)),
             baselines: BaselinesOverPatients::of(all, &patients, &kinds),
             compared,
             ferguson_test,
@@ -229,7 +229,7 @@ fn least_rotations(film: &PatientFilm, values: &mut Vec<f64>) {
 /// Residuals of the curves' locations and tilts, and the least rotations.
 fn of_films(patients: &Patients<'_>) -> [Clustered; 3] {
     let values: [fn(&PatientFilm, &mut Vec<f64>); 3] = [
-        |film, values| values.extend(film.has_scale.then_some(film.rmse_mm)),
+        |film, values| values.extend(film.rmse_mm),
         |film, values| values.push(film.rmse_deg),
         least_rotations,
     ];
@@ -300,11 +300,11 @@ fn table_2(patients: &Patients<'_>) -> [PairedComparison; 4] {
     std::array::from_fn(|place| found[place])
 }
 
-/// By line: joints per fitted film that turn against the force.
-fn contradicted(patients: &Patients<'_>, kinds: &[LineKind]) -> Vec<(LineKind, Clustered)> {
-    let found = patients.clustered(kinds, |seen, &kind, values| {
-        let films = seen.patient.films_of(FilmRole::Fitted, [kind]);
-        values.extend(films.map(|[errors]| errors.contradicted()));
-    });
-    kinds.iter().copied().zip(found).collect()
+/// Joints per fitted film that turn against the force along the inflection line.
+fn contradicted(all: &[CohortPatient]) -> Summary {
+    let of = |patient: &CohortPatient| {
+        let films = patient.films_of(FilmRole::Fitted, [LineKind::Inflection]);
+        Summary::of(&films.map(|[errors]| errors.contradicted()).collect::<Vec<_>>())
+    };
+    Summary::pooled(&all.iter().map(of).collect::<Vec<_>>())
 }

@@ -61,7 +61,11 @@ pub struct LineOutcomes {
     pub bends: OutcomeCounts,
 }
 
-/// In how many percent of bends the test rejects a true line of synthetic patients (`validation/claims.md`); `None` where this was not counted.
+/// The limit of the test, in words.
+const LEVEL_OF_TEST: &str = "level of the test 5 %";
+
+/// Least and most percent of the bends in which the test rejects a true line of synthetic patients (`validation/claims.md`); `None` where
+/// this was not counted.
 const fn true_line_rejected_percent(kind: LineKind) -> Option<[u8; 2]> {
     match kind {
         LineKind::Inflection => Some([1, 4]),
@@ -107,7 +111,7 @@ impl LineOutcomes {
             )];
         }
         let mut all = vec![format!(
-            "A single force along the {kind} is rejected in {} of {} (kept in {}{others}); level of the test 5 %.",
+            "A single force along the {kind} is rejected in {} of {} (kept in {}{others}); {LEVEL_OF_TEST}.",
             patients.rejected,
             counted_tested(patients.tested(), "patient"),
             patients.kept,
@@ -118,7 +122,7 @@ impl LineOutcomes {
             LineKind::Given | LineKind::Estimated => "is the given line",
         };
         let size = true_line_rejected_percent(*kind).map_or_else(
-            || "level of the test 5 %".to_owned(),
+            || LEVEL_OF_TEST.to_owned(),
             |[low, high]| {
                 format!("on synthetic patients the test rejects a true line in {low} to {high} % of the bends")
             },

@@ -70,7 +70,8 @@ pub(super) struct PatientFilm {
     pub has_motion: bool,
     /// Without a scale its lengths belong to a typical spine, and do not count.
     pub has_scale: bool,
-    pub rmse_mm: f64,
+    /// `None` without a scale.
+    pub rmse_mm: Option<f64>,
     pub rmse_deg: f64,
     pub least_rotations_deg: Option<[f64; 2]>,
     pub inflection_estimates: Option<[Estimate; 2]>,
@@ -254,12 +255,6 @@ impl CohortPatient {
         })
     }
 
-    /// Films of a role whose shape under a line does not count as a result.
-    pub(super) fn unusable(&self, role: FilmRole, kind: LineKind) -> usize {
-        let why = self.places(role).filter_map(|film| self.result(film, kind).err());
-        why.filter(|why| !matches!(why, NoResult::NoModel | NoResult::NoLine)).count()
-    }
-
     /// Location errors of a prediction without mechanics from the patient's films; `None` without a result.
     pub(super) fn baseline_mm(&self, film: u8, baseline: Baseline) -> Option<&[f64]> {
         self.baselines_mm.get(&(film, baseline))
@@ -383,7 +378,7 @@ impl PatientFilm {
             posture: film.outline.posture,
             has_motion: motion.is_some(),
             has_scale: film.outline.scale.has_millimetres(),
-            rmse_mm: film.fit.rmse_mm,
+            rmse_mm: film.outline.scale.has_millimetres().then_some(film.fit.rmse_mm),
             rmse_deg: film.fit.rmse_tilt.deg(),
             least_rotations_deg: motion.map(|m| m.least.map(|k| m.rotations[k].deg())),
             inflection_estimates: estimates(&film.inflection_estimates),

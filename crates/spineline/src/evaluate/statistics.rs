@@ -191,8 +191,8 @@ pub struct Resampling {
 impl Resampling {
     /// Resamples whose sums grow side by side, so that no addition waits for the one before.
     const AT_ONCE: usize = 8;
-    /// Fewest clusters with an interval (assumption): of two it would hold the true mean in half of all samples, and with fewer than six a
-    /// sign-flip test never reaches 5 %.
+    /// Fewest clusters with an interval (assumption). The interval of two clusters holds the true mean in half of all samples; with fewer
+    /// than six, a sign-flip test never reaches 5 %.
     pub const FEWEST: usize = 6;
 
     /// With a number of resamples and a seed.

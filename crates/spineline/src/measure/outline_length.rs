@@ -2,7 +2,6 @@
 
 use super::{
     FilmLength, FilmLengthRule, FilmScale, LengthScale, Measured, MeasuredVertebra, Outline,
-    SpacingPlane,
 };
 use crate::spatial::Frontal;
 
@@ -20,7 +19,7 @@ impl FilmLength {
     #[must_use]
     pub fn of(erect: &Outline, film: &Outline, rule: FilmLengthRule) -> Self {
         let measured = measured_scale(erect, film);
-        let has_scale = [erect, film].iter().all(|one| one.scale.plane != SpacingPlane::Pixels);
+        let has_scale = [erect, film].iter().all(|one| one.scale.has_millimetres());
         // Coordinates near the limits of numbers do not have a finite length.
         let has_length = [measured.factor.ln(), measured.log_sd].iter().all(|one| one.is_finite());
         let prior_log_sd = match rule {

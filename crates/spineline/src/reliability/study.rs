@@ -3,7 +3,7 @@ use super::icc::MeanSquares;
 use super::ratings::{Ratings, Reader};
 use super::{BlandAltman, RatedQuantity, Statistic, StatisticEstimate, StatisticKind, Undefined};
 use crate::measure::{alike_observers, alike_words};
-use crate::warning::counted;
+use crate::warning::{counted, first_named};
 
 /// Who is compared with whom.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -36,9 +36,6 @@ impl Design {
         }
     }
 }
-
-/// Films that a remark names.
-const NAMED: usize = 8;
 
 /// A remark for readers of the numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -99,7 +96,11 @@ pub enum Remark {
         readings: usize,
     },
     /// Films in pixels are left out of lengths in millimetres.
-    #[error("{}", in_pixels_words(films))]
+    #[error(
+        "{} in pixels left out of lengths: {}",
+        counted(films.len(), "film"),
+        first_named(films.iter().cloned(), films.len())
+    )]
     InPixels {
         /// The films.
         films: Vec<String>,
@@ -124,15 +125,6 @@ impl Remark {
             Self::InPixels { .. } => "in_pixels",
         }
     }
-}
-
-/// How many films in pixels, and the first of them.
-fn in_pixels_words(films: &[String]) -> String {
-    let named = films.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>();
-    let more = films.len().saturating_sub(NAMED);
-    let more = if more > 0 { format!(", {more} more") } else { String::new() };
-    let count = crate::warning::counted(films.len(), "film");
-    format!("{count} in pixels left out of lengths: {}{more}", named.join(", "))
 }
 
 /// All statistics of one quantity in one design.

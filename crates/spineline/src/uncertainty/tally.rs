@@ -63,15 +63,17 @@ impl QuantitySpread {
         let spread = self.interval_95().and(self.spread);
         Some(MultiplierSpread { value, quantiles: spread.map(|s| s.quantiles.map(f64::exp)) })
     }
-}
 
-impl QuantitySpread {
     /// The central 95 % of the replicates. `None` where fewer than [`Spread::MIN_COUNT`] have the number, where it is at a bound of the fit, and for
     /// distances and absolute errors: any noise makes these larger, a replicate has it twice, and the interval would lie too high.
     #[must_use]
     pub fn interval_95(&self) -> Option<[f64; 2]> {
-        let has_none = self.at_bound || self.quantity.grows_with_noise();
-        self.spread.filter(|_| !has_none)?.interval_95(self.count)
+        self.spread.filter(|_| self.may_have_interval())?.interval_95(self.count)
+    }
+
+    /// Whether it has an interval where enough replicates have the number.
+    fn may_have_interval(&self) -> bool {
+        !self.at_bound && !self.quantity.grows_with_noise()
     }
 }
 
@@ -196,7 +198,7 @@ impl Uncertainty {
         self.quantities.iter().find(|spread| spread.quantity == quantity)
     }
 
-    /// How many replicates an interval needs, where fewer have a result or one of the reported numbers.
+    /// The number of replicates that an interval needs, in words; `None` where the replicates and every reported number have enough.
     #[must_use]
     pub fn few_words(&self) -> Option<String> {
         let (fewest, usable) = (Spread::MIN_COUNT, self.done - self.failed);
@@ -205,12 +207,12 @@ impl Uncertainty {
                 "A 95 % interval needs {fewest} replicates; with a result: {usable}."
             ));
         }
-        let is_few = |one: &&QuantitySpread| {
-            let may_have = !one.at_bound && !one.quantity.grows_with_noise();
-            one.quantity.is_reported() && may_have && (1..fewest).contains(&one.count)
+        let is_few = |one: &QuantitySpread| {
+            let is_counted = one.quantity.is_reported() && one.may_have_interval();
+            is_counted && (1..fewest).contains(&one.count)
         };
         let words = || format!("A 95 % interval needs {fewest} replicates that have the number.");
-        self.quantities.iter().any(|one| is_few(&one)).then(words)
+        self.quantities.iter().any(is_few).then(words)
     }
 
     /// Which noise was added to the landmarks, and where it comes from: a sentence for all films that have the same.

@@ -227,7 +227,7 @@ fn iliac_crests_off_the_picture_or_coincident_are_refused_and_swapped_ones_repor
     }
     let exchanged = analyzed(&with(|c| swap(&mut c.left, &mut c.right)), &on_a_table());
     warned(&exchanged, WarningCode::IliacLineUnusual, Some(Posture::LeftBending));
-    // The left crest is lifted by as much as both are apart: half a right angle.
+    // The left crest is lifted by the distance between both, so their line turns by 45°.
     let lifted = with(|c| c.left.row_px -= (c.right.column_px - c.left.column_px).abs());
     let lifted = analyzed(&lifted, &on_a_table());
     let found = warned(&lifted, WarningCode::IliacLineUnusual, Some(Posture::LeftBending));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{
-    Analysis, AnalysisOptions, Case, FilmRole, Reference, Subject, analyze, analyze_movement,
+    Analysis, AnalysisOptions, Case, FilmRole, Reference, analyze, analyze_movement,
 };
 use spineline::anatomy::{ImageSide, Level, Levels, Posture, trunk_weight_shares};
 use spineline::measure::{
@@ -113,7 +113,7 @@ fn case(subject: usize) -> Case {
     };
     let films = [film(Posture::Erect, &standing, base_tilt)];
     let films = films.into_iter().chain(PULLS.iter().map(pulled)).collect();
-    Case { id: "stands".into(), synthetic: true, subject: Subject::default(), films, lateral: None }
+    Case { synthetic: true, ..Case::of_films("stands", films) }
 }
 
 fn options(reference: Reference) -> AnalysisOptions {

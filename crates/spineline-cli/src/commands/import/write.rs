@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use spineline::analysis::{Case, Subject};
+use spineline::analysis::Case;
 use spineline::anatomy::FilmView;
 use spineline::measure::{Film, FilmLandmarks, LateralFilm};
 use spineline_files::{CaseFile, FilmSource, sha256_hex};
@@ -191,12 +191,10 @@ fn case(case_id: &str, films: &[ResolvedFilm], marks: &Marks) -> Case {
         Some(Film::new(posture, landmarks.unwrap_or_else(unmarked)))
     });
     Case {
-        id: case_id.to_owned(),
         // One film of a patient makes the case a patient's.
         synthetic: films.iter().all(|film| film.is_phantom),
-        subject: Subject::default(),
-        films: frontal.collect(),
         lateral: marks.lateral.clone(),
+        ..Case::of_films(case_id, frontal.collect())
     }
 }
 

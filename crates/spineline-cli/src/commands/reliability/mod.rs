@@ -23,7 +23,7 @@ A table has one reading per row, commas, semicolons or tabs between them (decima
   quantity   measured quantity, such as tilt_T6
   unit       deg, mm, …
   subject    code of the patient, or of the patient and film
-  observer   code of the reader, and no name of a person
+  observer   code of the reader, not a person's name
   repeat     number of the reading, from 1
   value      a number; empty, `NA` or `NaN`, or no row, where it is missing
   synthetic  true or false; this column may be absent

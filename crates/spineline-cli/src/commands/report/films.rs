@@ -5,7 +5,7 @@ use std::path::Path;
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmLandmarks, ImageGeometry};
-use spineline_files::{CaseFile, FilmSource, is_picture_name, sha256_hex};
+use spineline_files::{CaseFile, FilmSource, sha256_hex};
 use spineline_report::figures::FilmPicture;
 
 use crate::run::failure::Failure;
@@ -60,9 +60,6 @@ pub fn pictures(
 
 fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, String> {
     let name = film.source.file.as_deref().unwrap_or_default();
-    if !is_picture_name(name) {
-        return Err("its file is not beside the case".to_owned());
-    }
     let bytes = film_bytes(&folder.join(name)).map_err(|error| error.to_string())?;
     let is_other = |sum: &String| *sum != sha256_hex(&bytes);
     if film.source.sha256.as_ref().is_some_and(is_other) {

@@ -205,7 +205,7 @@ fn log(store: &Store) -> Result<String, StoreError> {
     Ok(terminal::table(&table, width()))
 }
 
-/// An object of the log; a terminal gets the start of the hash of a film's content, a file or a pipe all of it.
+/// An object of the log. A terminal shows the start of a film's hash; a file or a pipe gets the whole hash.
 fn shown_object(object: &str) -> String {
     const SHOWN: usize = 16;
     match object.strip_prefix("content/").filter(|_| stdout().is_terminal()) {

@@ -4,12 +4,12 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use spineline_files::DATABASE;
+
 use crate::run::failure::Failure;
 
 /// Links that are followed at most.
 const MAX_LINKS: usize = 40;
-/// The first bytes of every store of studies.
-const DATABASE: &[u8; 16] = b"SQLite format 3\0";
 /// Ends of the files that lie beside a store while it is in use.
 const BESIDE_STORE: [&str; 4] = ["-wal", "-shm", "-journal", "-head"];
 

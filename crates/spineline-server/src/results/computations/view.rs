@@ -66,13 +66,13 @@ fn intervals(analysis: &Analysis, found: &Uncertainty) -> Vec<IntervalView> {
 }
 
 fn interval(analysis: &Analysis, one: &QuantitySpread) -> Option<IntervalView> {
-    let multiplier = one.multiplier();
-    let value = multiplier.map_or(one.nominal.ok(), |found| found.value)?;
-    let ends =
-        one.interval_95().map(|ends| if multiplier.is_some() { ends.map(f64::exp) } else { ends });
+    let is_multiplier = one.multiplier().is_some();
+    let shown = |number: f64| if is_multiplier { number.exp() } else { number };
+    let value = shown(one.nominal.ok()?);
+    let ends = one.interval_95().map(|ends| ends.map(shown));
     let only_if = one.quantity.interval_caveat().map_or("", |_| " (if the model is exact)");
     let label = one.quantity.label(analysis);
-    let label = if multiplier.is_some() { label.replace("ln of the ", "") } else { label };
+    let label = if is_multiplier { label.replace("ln of the ", "") } else { label };
     let text = |number: f64| match one.quantity.unit(analysis) {
         QuantityUnit::Degrees => format!("{}°", fixed(number, 1)),
         QuantityUnit::Newtons => format!("{} N", fixed(number, 0)),

@@ -39,7 +39,7 @@ impl LateralFilm {
     /// [`MeasureError`] names reading, vertebra and fault.
     pub fn measure(&self, warnings: &mut Warnings) -> Result<LateralOutline, MeasureError> {
         self.check_film()?;
-        // What is positive is anterior, as left is on a frontal film.
+        // Anterior is positive, as left is on a frontal film.
         let body = |corners: &Corners<Pixel>| corners.map(|place| self.image.frontal(place));
         let bodies: Vec<ReadBodies<'_>> =
             self.readings.iter().map(|one| ReadBodies::of(one, body)).collect();

@@ -11,9 +11,7 @@ use nalgebra::DMatrix;
 
 use super::bodies::crossing_sd;
 use super::lateral::LateralVertebra;
-use super::{
-    Film, LateralFilm, LateralOutline, LengthScale, MeasureError, Noise, Outline, SpacingPlane,
-};
+use super::{Film, LateralFilm, LateralOutline, LengthScale, MeasureError, Noise, Outline};
 use crate::anatomy::{Level, Levels, SagittalProfile};
 use crate::number::{fixed, with_sd};
 use crate::spatial::{Angle, Orientation, Vec3};
@@ -122,7 +120,7 @@ impl SpatialOutline {
         let corner = lateral
             .corner_sd
             .map_or(LateralSd::Millimetres(Noise::ONE_READING.corner_mm()), LateralSd::Film);
-        let has_scale = lateral.has_spacing && outline.scale.plane != SpacingPlane::Pixels;
+        let has_scale = lateral.has_spacing && outline.scale.has_millimetres();
         let exposure = Exposure { simultaneous: lateral.simultaneous, has_scale };
         let pairs: Vec<HeightPair> = both
             .iter()

@@ -7,7 +7,7 @@ pub mod everything;
 pub mod independent;
 
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
-use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, PediclePlace, Posture, Region, SagittalProfile};
 use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
@@ -207,7 +207,7 @@ pub fn graph_film(posture: Posture, height_mm: f64, shape: impl Fn(f64) -> (f64,
 }
 
 pub fn case_of(films: Vec<Film>) -> Case {
-    Case { id: "test".into(), synthetic: true, subject: Subject::default(), films, lateral: None }
+    Case { synthetic: true, ..Case::of_films("test", films) }
 }
 
 pub fn measured(film: &Film) -> Outline {
