@@ -115,7 +115,7 @@ impl Replicates {
                 // Without an interval, quantiles are left out too.
                 quantiles: one.interval_95().and(one.spread).map(|spread| spread.quantiles),
                 at_bound: one.at_bound,
-                grows_with_noise: one.quantity.grows_with_noise(),
+                grows_with_noise: one.quantity.kind.grows_with_noise(),
                 count: one.count,
             };
             if let (Some(rest), Some(ratio)) =
@@ -217,13 +217,13 @@ pub fn run_replicates(
 /// The name of a number: its kind, then film, vertebra, group, end and line, if it has them. The line through the
 /// inflections is not named.
 fn name(quantity: AnalysisQuantity, analysis: &Found) -> String {
-    let line = quantity.line().map(|line| line.key().to_owned());
+    let line = quantity.line.map(|line| line.key().to_owned());
     let parts = [
-        Some(quantity.key().to_owned()),
-        quantity.posture().map(|posture| posture.key().to_owned()),
-        quantity.level().map(|level| level.to_string()),
+        Some(quantity.kind.key().to_owned()),
+        quantity.posture.map(|posture| posture.key().to_owned()),
+        quantity.level.map(|level| level.to_string()),
         quantity.group(analysis),
-        quantity.end().map(str::to_owned),
+        quantity.end_name().map(str::to_owned),
         line.filter(|line| line != "inflection_line"),
     ];
     parts.into_iter().flatten().collect::<Vec<_>>().join(".")

@@ -20,15 +20,15 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 
 fn which(add: &mut Columns<'_, SpreadRow<'_>>) {
     add.text("quantity", "kind of the quantity; the next columns specify it", |row| {
-        row.quantity.key()
+        row.quantity.kind.key()
     });
-    add.text("posture", "film", |row| row.quantity.posture().map(|posture| posture.key()));
-    add.text("level", "vertebra", |row| row.quantity.level().map(|level| level.to_string()));
+    add.text("posture", "film", |row| row.quantity.posture.map(|posture| posture.key()));
+    add.text("level", "vertebra", |row| row.quantity.level.map(|level| level.to_string()));
     add.text("group", "region, or the joints that share a multiplier", |row| {
         row.quantity.group(row.analysis)
     });
-    add.text("end", "`caudal` or `cranial`", |row| row.quantity.end());
-    add.text("line", "line of action", |row| row.quantity.line().map(|line| line.key()));
+    add.text("end", "`caudal` or `cranial`", |row| row.quantity.end_name());
+    add.text("line", "line of action", |row| row.quantity.line.map(|line| line.key()));
     add.text("unit", "`mm`, `px`, `deg`, `segments`, `N`, `relative` or `1`", |row| {
         row.quantity.unit(row.analysis).key()
     });

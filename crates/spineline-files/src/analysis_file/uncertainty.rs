@@ -149,14 +149,14 @@ fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
     let spread = found.spread;
     let absent = found.absent.iter().map(|(why, count)| (why.key().to_owned(), *count));
     SpreadRecord {
-        quantity: quantity.key().to_owned(),
+        quantity: quantity.kind.key().to_owned(),
         label: quantity.label(analysis),
         unit: quantity.unit(analysis).key().to_owned(),
-        posture: quantity.posture(),
-        level: quantity.level(),
+        posture: quantity.posture,
+        level: quantity.level,
         group: quantity.group(analysis),
-        end: quantity.end().map(str::to_owned),
-        line: quantity.line().map(|line| line.key().to_owned()),
+        end: quantity.end_name().map(str::to_owned),
+        line: quantity.line.map(|line| line.key().to_owned()),
         value: found.nominal.ok(),
         mean: spread.map(|s| s.mean),
         sd: spread.map(|s| s.sd),

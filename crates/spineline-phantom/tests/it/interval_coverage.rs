@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
+use spineline::uncertainty::{
+    AnalysisQuantity, LandmarkNoise, MonteCarlo, QuantityKind, Uncertainty,
+};
 use spineline_phantom::{Readers, SUBJECTS, Scenario, generate};
 
 /// For each kind of number: how often the interval contains it, out of how many.
@@ -14,19 +16,22 @@ type Counts = BTreeMap<&'static str, [usize; 2]>;
 /// Kinds of numbers. A line's offset is measured from the case's own inflections, so another reading cannot be
 /// compared.
 fn kind(quantity: AnalysisQuantity) -> Option<&'static str> {
-    use AnalysisQuantity as Q;
-    Some(match quantity {
-        Q::LocationY(..) | Q::LocationZ(..) => "location",
-        Q::Tilt(..) => "tilt",
-        Q::Ferguson(..) => "Ferguson angle",
-        Q::Cobb(..) => "Cobb angle",
-        Q::InflectionY(_) | Q::InflectionZ(_) => "place of an inflection",
-        Q::LeastSegment(..) => "least-rotating segment",
-        Q::LineTilt(LineKind::Inflection, _) => "lean of the inflection line",
-        Q::LineTilt(LineKind::Iliac, _) => "lean of the iliac line",
-        Q::LineTilt(LineKind::Estimated, _) => "lean of the estimated line",
-        Q::LogMultiplier(..) => "ln of a multiplier",
-        Q::Force(..) => "force",
+    use QuantityKind as K;
+    Some(match quantity.kind {
+        K::LocationY | K::LocationZ => "location",
+        K::Tilt => "tilt",
+        K::Ferguson => "Ferguson angle",
+        K::Cobb => "Cobb angle",
+        K::InflectionY | K::InflectionZ => "place of an inflection",
+        K::LeastSegment => "least-rotating segment",
+        K::LineTilt => match quantity.line? {
+            LineKind::Inflection => "lean of the inflection line",
+            LineKind::Iliac => "lean of the iliac line",
+            LineKind::Estimated => "lean of the estimated line",
+            LineKind::Given => return None,
+        },
+        K::LogMultiplier => "ln of a multiplier",
+        K::Force => "force",
         _ => return None,
     })
 }

@@ -6,7 +6,7 @@ use spineline::evaluate::{Baseline, Simulation};
 use spineline::multibody::StiffnessLibrary;
 use spineline::number::{fixed, interval};
 use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, STIFFNESS_COVERAGE, StiffnessBound};
-use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
+use spineline::uncertainty::{QuantityKind, Uncertainty};
 
 use super::Patient;
 use super::uncertainty;
@@ -163,8 +163,8 @@ pub fn noise_interval(
     group: usize,
     scale: f64,
 ) -> Option<String> {
-    let spread = found.of(AnalysisQuantity::LogMultiplier(model.kind, group))?;
-    let [low, high] = spread.interval_95()?.map(|log| scale * log.exp());
+    let multiplier = QuantityKind::LogMultiplier.of_case().along(model.kind).of_multiplier(group);
+    let [low, high] = found.of(multiplier)?.interval_95()?.map(|log| scale * log.exp());
     Some(interval([low, high], 2))
 }
 

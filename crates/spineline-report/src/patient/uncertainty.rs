@@ -7,7 +7,9 @@ use spineline::personalize::{
     GroupStiffness, Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd,
     STIFFNESS_COVERAGE,
 };
-use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
+use spineline::uncertainty::{
+    AnalysisQuantity, QuantityKind, QuantitySpread, QuantityUnit, Uncertainty,
+};
 use spineline::warning::counted;
 
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
@@ -171,10 +173,8 @@ fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
     let mut table = Table::new("Standard deviation of the vertebrae", columns);
     for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
         let mut row = vec![posture.to_string()];
-        for quantity in
-            [AnalysisQuantity::LocationY, AnalysisQuantity::LocationZ, AnalysisQuantity::Tilt]
-        {
-            row.extend(mean_and_largest(found, |level| quantity(posture, level), analysis));
+        for kind in [QuantityKind::LocationY, QuantityKind::LocationZ, QuantityKind::Tilt] {
+            row.extend(mean_and_largest(found, kind.on(posture), analysis));
         }
         table.row(row);
     }
@@ -183,19 +183,19 @@ fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
 
 fn mean_and_largest(
     found: &Uncertainty,
-    quantity: impl Fn(Level) -> AnalysisQuantity,
+    of_film: AnalysisQuantity,
     analysis: &Analysis,
 ) -> [String; 2] {
     let levels = analysis.movement.levels();
     let sds: Vec<(f64, Level)> = levels
         .iter()
         .skip(1)
-        .filter_map(|level| Some((found.spread(quantity(level))?.sd, level)))
+        .filter_map(|level| Some((found.spread(of_film.at(level))?.sd, level)))
         .collect();
     let Some(&(largest, level)) = sds.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return [none(), none()];
     };
-    let unit = match quantity(level).unit(analysis) {
+    let unit = match of_film.at(level).unit(analysis) {
         QuantityUnit::Degrees => String::new(),
         unit => format!(" {}", unit.key()),
     };

@@ -9,7 +9,7 @@ use spineline::measure::{FilmReadings, TiltRule};
 use spineline::number::{fixed, signed};
 use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
-use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
+use spineline::uncertainty::{LandmarkNoise, MonteCarlo, QuantityKind, Uncertainty};
 use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::cohort::{self, PatientRow, Rows};
 use spineline_report::document::{Block, NoticeKind, Table};
@@ -300,7 +300,8 @@ fn requested_numbers_of_replicates_are_shown() {
         assert!(rows.any(|row| row.contains(&sd)), "{label}: {sd} is missing in\n{text}");
     }
     for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
-        let of = |level: Level| found.spread(AnalysisQuantity::Tilt(posture, level)).map(|s| s.sd);
+        let tilt = QuantityKind::Tilt.on(posture);
+        let of = |level: Level| found.spread(tilt.at(level)).map(|s| s.sd);
         let sds = || Level::MODEL[1..].iter().filter_map(|&level| of(level));
         let largest = format!("{} (", fixed(sds().fold(0.0, f64::max), 2));
         let mean = format!("{} ", fixed(sds().sum::<f64>() / sds().count() as f64, 2));

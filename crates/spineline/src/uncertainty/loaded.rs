@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use serde::{Deserialize, Serialize};
 
 use super::centred::Centred;
-use super::quantities::fitted_model;
+use super::values::fitted_model;
 use super::words::noise_words;
 use super::{FilmNoise, MonteCarlo, Spread};
 use crate::action::LineKind;

@@ -39,17 +39,18 @@ mod centred;
 mod distribution;
 mod landmarks;
 mod loaded;
-mod places;
 mod quantities;
 mod stream;
 mod tally;
+mod values;
 mod words;
 
 pub use centred::Spread;
 pub use landmarks::{FilmNoise, LandmarkNoise, NoiseSource, UncertaintyError, VertebraNoise};
 pub use loaded::{AppliedLoads, LoadedReplicate, LoadedSpread, LoadedTally, LoadedUncertainty};
-pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
+pub use quantities::{AnalysisQuantity, QuantityKind, QuantityUnit};
 pub use tally::{FailureCount, MultiplierSpread, QuantitySpread, Tally, Uncertainty};
+pub use values::Absent;
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, Case, FitStarts, Replicated, analyze_films};

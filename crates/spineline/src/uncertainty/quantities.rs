@@ -3,94 +3,105 @@
 use serde::{Deserialize, Serialize};
 
 use crate::action::LineKind;
-use crate::analysis::{Analysis, FilmMovement, LineModel};
+use crate::analysis::Analysis;
 use crate::anatomy::{Level, Posture, Region, named};
-use crate::clinical::{SagittalPart, SpatialMeasures};
-use crate::evaluate::Simulation;
-use crate::personalize::{FitStatus, StiffnessBound};
-use crate::spatial::Angle;
-
-/// One number of an analysis.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum AnalysisQuantity {
-    /// Length of the erect chain.
-    ChainLength,
-    /// Length of a segment.
-    SegmentLength,
-    /// Lateral place of a vertebra in `G`, to the patient's left.
-    LocationY(Posture, Level),
-    /// Height of a vertebra in `G`.
-    LocationZ(Posture, Level),
-    /// Tilt of a vertebra against L4.
-    Tilt(Posture, Level),
-    /// Pitch of a vertebra in space, from the erect and the lateral film.
-    Pitch(Level),
-    /// Kyphosis or lordosis in space, between axes.
-    Sagittal(SagittalPart),
-    /// Size of a curve in its plane of maximum curvature.
-    LargestCurve(Region),
-    /// Direction of the convexity in that plane.
-    Convexity(Region),
-    /// Length of the spine in space.
-    SpinalLength,
-    /// Cobb angle, between endplates.
-    Cobb(Posture, Region),
-    /// Difference of the tilts of the end vertebrae.
-    TiltRange(Posture, Region),
-    /// Ferguson angle.
-    Ferguson(Posture, Region),
-    /// Scale of a film against the erect one, from all its vertebrae, where it is not fixed.
-    FilmScale(Posture),
-    /// Number of inflections of the erect curve.
-    InflectionCount,
-    /// 1 where two inflections carry a line, else 0: the mean is how often they do.
-    InflectionPair,
-    /// Lateral place of an inflection on the erect film; 0 is the caudal one.
-    InflectionY(usize),
-    /// Its height.
-    InflectionZ(usize),
-    /// Its distance from L4 along the erect curve.
-    InflectionArc(usize),
-    /// The least-rotating segment of a window; 0 is the caudal one.
-    LeastSegment(Posture, usize),
-    /// From the inflection's segment to it, in segments.
-    LeastDistanceSegments(Posture, usize),
-    /// The same along the erect film.
-    LeastDistance(Posture, usize),
-    /// Angle between the line of best fit to the rotations and the inflection line.
-    ComparisonAngle(Posture),
-    /// Distance of the former from the middle of the inflections.
-    ComparisonDistance(Posture),
-    /// Lateral tilt of a line of action.
-    LineTilt(LineKind, Posture),
-    /// Signed distance of a line of action from where the middle of the inflections was found in the case itself.
-    LineOffset(LineKind, Posture),
-    /// Force along the line, at the level that the scale constraint fixes; positive in the direction of the unperturbed case's line.
-    Force(LineKind, Posture),
-    /// `ln α` of a group.
-    LogMultiplier(LineKind, usize),
-    /// Mean location error of a posture.
-    LocationError(LineKind, Posture),
-    /// Mean location error over fitted or held-out films.
-    MeanLocationError(LineKind, bool),
-    /// Absolute Ferguson error.
-    FergusonError(LineKind, Posture, Region),
-    /// Joints that turn against the force.
-    ContradictedJoints(LineKind, Posture),
-}
+use crate::clinical::SagittalPart;
+use crate::measure::LengthScale;
+use crate::personalize::{MULTIPLIER_COVERAGE, StiffnessBound};
 
 named! {
-    /// Why an analysis does not have a number.
-    pub enum Absent {
-        /// The erect curve has no pair of inflections.
-        NoInflections = "no_inflections",
-        /// The films lack the line or the window, or a moved curve is too short for the segment.
-        NotMeasured = "not_measured",
-        /// The fit of this line did not converge.
-        FitNotConverged = "fit_not_converged",
-        /// No force was found for this posture.
-        ForceNotFound = "force_not_found",
+    /// What is measured. Its film, vertebra and so on are in [`AnalysisQuantity`].
+    pub enum QuantityKind {
+        /// Length of the erect chain.
+        ChainLength = "chain_length" as "length of the erect chain",
+        /// Length of a segment.
+        SegmentLength = "segment_length" as "length of a segment",
+        /// Lateral place of a vertebra in `G`, to the patient's left.
+        LocationY = "location_y" as "lateral coordinate, to the patient's left",
+        /// Height of a vertebra in `G`.
+        LocationZ = "location_z" as "height",
+        /// Tilt of a vertebra against L4.
+        Tilt = "tilt" as "tilt relative to the base, positive to the right",
+        /// Pitch of a vertebra in space, from the erect and the lateral film.
+        Pitch = "pitch_3d" as "pitch in space (3-D), flexion positive",
+        /// Kyphosis from T5 to T12 in space, between axes.
+        KyphosisT5T12 = "kyphosis_t5_t12_3d" as "kyphosis T5–T12 in space (3-D), axes",
+        /// Kyphosis from T1 to T12 in space, between axes.
+        KyphosisT1T12 = "kyphosis_t1_t12_3d" as "kyphosis T1–T12 in space (3-D), axes",
+        /// Lordosis from L1 to L5 in space, between axes.
+        LordosisL1L5 = "lordosis_l1_l5_3d" as "lordosis L1–L5 in space (3-D), axes",
+        /// Size of a curve in its plane of maximum curvature.
+        LargestCurve = "curve_largest_3d" as "curve in its plane of maximum curvature (3-D)",
+        /// Direction of the convexity in that plane.
+        Convexity = "curve_convexity_3d" as "direction of its convexity (3-D), 0 front, 90 left, 180 back",
+        /// Length of the spine in space.
+        SpinalLength = "spinal_length_3d" as "length of the spine in space (3-D)",
+        /// Cobb angle, between endplates.
+        Cobb = "cobb" as "Cobb angle between endplates, positive where convex to the left",
+        /// Difference of the tilts of the end vertebrae.
+        TiltRange = "tilt_range" as "difference of the tilts of the end vertebrae, positive where convex to the left",
+        /// Ferguson angle.
+        Ferguson = "ferguson" as "Ferguson angle, positive where convex to the left",
+        /// Scale of a film against the erect one, from all its vertebrae, where it is not fixed.
+        FilmScale = "film_scale" as "scale of the film against the erect one",
+        /// Number of inflections of the erect curve.
+        InflectionCount = "inflection_count" as "inflections of the erect curve",
+        /// 1 where two inflections carry a line, else 0: the mean is how often they do.
+        InflectionPair = "inflection_pair" as "share of replicates with two inflections that define a line",
+        /// Lateral place of an inflection on the erect film.
+        InflectionY = "inflection_y" as "inflection on the erect film, to the patient's left",
+        /// Its height.
+        InflectionZ = "inflection_z" as "inflection on the erect film, height",
+        /// Its distance from L4 along the erect curve.
+        InflectionArc = "inflection_arc" as "inflection on the erect film, along the curve",
+        /// The least-rotating segment of a window.
+        LeastSegment = "least_segment" as "least-rotating segment",
+        /// From the inflection's segment to it, in segments.
+        LeastDistanceSegments = "least_distance_segments" as "distance from the inflection to the least-rotating segment",
+        /// The same along the erect film.
+        LeastDistance = "least_distance" as "distance from the inflection to the least-rotating segment",
+        /// Angle between the line of best fit to the rotations and the inflection line.
+        ComparisonAngle = "line_comparison_angle" as "angle between the line of best fit to the rotations and the inflection line",
+        /// Distance of the former from the middle of the inflections.
+        ComparisonDistance = "line_comparison_distance" as "distance of the line of best fit to the rotations from the inflections",
+        /// Lateral tilt of a line of action.
+        LineTilt = "line_lateral_tilt" as "lateral tilt of the line of action, positive to the right",
+        /// Signed distance of a line of action from where the middle of the inflections was found in the case itself.
+        LineOffset = "line_offset" as "distance of the line of action from the midpoint of the inflections",
+        /// Force along the line, at the level that the scale constraint fixes; positive in the direction of the unperturbed case's line.
+        Force = "force" as "force along the line",
+        /// `ln α` of a group.
+        LogMultiplier = "log_multiplier" as "ln of the stiffness multiplier",
+        /// Mean location error of a posture.
+        LocationError = "location_error" as "mean location error",
+        /// Mean location error over fitted films.
+        MeanErrorFitted = "mean_location_error_fitted" as "mean location error, fitted films",
+        /// Mean location error over held-out films.
+        MeanErrorHeldOut = "mean_location_error_held_out" as "mean location error, held-out films",
+        /// Absolute Ferguson error.
+        FergusonError = "ferguson_error" as "Ferguson error",
+        /// Joints that turn against the force.
+        ContradictedJoints = "contradicted_joints" as "counter-rotating joints",
     }
+}
+
+/// One number of an analysis: its kind, and the film, vertebra, region, line and end that it belongs to, where it has these.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AnalysisQuantity {
+    /// What is measured.
+    pub kind: QuantityKind,
+    /// The film; of a number in space the erect one.
+    pub posture: Option<Posture>,
+    /// The vertebra.
+    pub level: Option<Level>,
+    /// The region of a curve.
+    pub region: Option<Region>,
+    /// The line of action.
+    pub line: Option<LineKind>,
+    /// Which multiplier of the line's model.
+    pub multiplier: Option<usize>,
+    /// Which inflection, or which window of least rotation: 0 is the caudal one.
+    pub end: Option<usize>,
 }
 
 named! {
@@ -113,236 +124,78 @@ named! {
     }
 }
 
-/// All quantities of an analysis of these films with these lines.
-pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuantity> {
-    let movement = &nominal.movement;
-    use AnalysisQuantity as Q;
-    let postures: Vec<Posture> = movement.films.iter().map(|p| p.outline.posture).collect();
-    let moved = || postures.iter().copied().filter(|posture| *posture != Posture::Erect);
-    let mut all = vec![Q::ChainLength, Q::SegmentLength, Q::InflectionCount, Q::InflectionPair];
-    for end in 0..2 {
-        all.extend([Q::InflectionY(end), Q::InflectionZ(end), Q::InflectionArc(end)]);
-    }
-    for &posture in &postures {
-        for level in movement.levels().iter().skip(1) {
-            let of_vertebra = [Q::LocationY, Q::LocationZ, Q::Tilt];
-            all.extend(of_vertebra.map(|quantity| quantity(posture, level)));
-        }
-        for region in Region::ALL {
-            all.extend([Q::Cobb, Q::TiltRange, Q::Ferguson].map(|angle| angle(posture, region)));
-        }
-    }
-    let in_space = movement.space.iter().flat_map(|space| &space.vertebrae);
-    all.extend(in_space.map(|vertebra| Q::Pitch(vertebra.level)));
-    if let Some(found) = movement.spatial_measures() {
-        all.extend(found.sagittal.iter().map(|angle| Q::Sagittal(angle.part)));
-        let curves = found.curves.iter();
-        all.extend(curves.flat_map(|c| [Q::LargestCurve(c.region), Q::Convexity(c.region)]));
-        all.push(Q::SpinalLength);
-    }
-    let is_free = |posture: &Posture| {
-        movement.film(*posture).is_some_and(|film| film.outline.length.is_free())
-    };
-    all.extend(moved().filter(is_free).map(Q::FilmScale));
-    for posture in moved() {
-        for window in 0..2 {
-            let of_window = [Q::LeastSegment, Q::LeastDistanceSegments, Q::LeastDistance];
-            all.extend(of_window.map(|quantity| quantity(posture, window)));
-        }
-        all.extend([Q::ComparisonAngle(posture), Q::ComparisonDistance(posture)]);
-    }
-    for &kind in kinds {
-        let groups = nominal.model(kind);
-        let groups = groups.map_or(Region::ALL.len(), |model| model.groups.len());
-        all.extend((0..groups).map(|group| Q::LogMultiplier(kind, group)));
-        all.extend([Q::MeanLocationError(kind, true), Q::MeanLocationError(kind, false)]);
-        for posture in moved() {
-            let of_line = [Q::LineTilt, Q::LineOffset, Q::Force, Q::LocationError];
-            all.extend(of_line.map(|quantity| quantity(kind, posture)));
-            all.push(Q::ContradictedJoints(kind, posture));
-            all.extend(Region::ALL.map(|region| Q::FergusonError(kind, posture, region)));
-        }
-    }
-    all
-}
+/// The two ends of the line, and the two windows of least rotation.
+const ENDS: [&str; 2] = ["caudal", "cranial"];
 
-impl AnalysisQuantity {
-    /// Whether it is a multiplier that ended at a bound of the fit.
-    pub(super) fn is_at_bound(self, analysis: &Analysis) -> bool {
-        let Self::LogMultiplier(kind, group) = self else { return false };
-        let bound = analysis.model(kind).and_then(|model| model.fit.bounds.get(group));
-        bound.is_some_and(|bound| *bound != StiffnessBound::Inside)
+impl QuantityKind {
+    /// The kyphosis or lordosis of a part in space.
+    #[must_use]
+    pub const fn sagittal(part: SagittalPart) -> Self {
+        match part {
+            SagittalPart::KyphosisT5T12 => Self::KyphosisT5T12,
+            SagittalPart::KyphosisT1T12 => Self::KyphosisT1T12,
+            SagittalPart::LordosisL1L5 => Self::LordosisL1L5,
+        }
     }
 
-    /// Its value in an analysis, in its unit as people see it; `measures` are that analysis's numbers in space, and `nominal` is the
-    /// analysis of the case itself.
-    pub(super) fn value(
-        self,
-        analysis: &Analysis,
-        measures: Option<&SpatialMeasures>,
-        nominal: &Analysis,
-    ) -> Result<f64, Absent> {
+    /// This number of a whole case.
+    #[must_use]
+    pub const fn of_case(self) -> AnalysisQuantity {
+        AnalysisQuantity {
+            kind: self,
+            posture: None,
+            level: None,
+            region: None,
+            line: None,
+            multiplier: None,
+            end: None,
+        }
+    }
+
+    /// This number of a film.
+    #[must_use]
+    pub const fn on(self, posture: Posture) -> AnalysisQuantity {
+        AnalysisQuantity { posture: Some(posture), ..self.of_case() }
+    }
+
+    /// Its unit where the films have a spacing and a force was measured.
+    const fn full_unit(self) -> QuantityUnit {
         match self {
             Self::ChainLength
             | Self::SegmentLength
+            | Self::LocationY
+            | Self::LocationZ
+            | Self::InflectionY
+            | Self::InflectionZ
+            | Self::InflectionArc
+            | Self::LeastDistance
+            | Self::SpinalLength
+            | Self::ComparisonDistance
+            | Self::LineOffset
+            | Self::LocationError
+            | Self::MeanErrorFitted
+            | Self::MeanErrorHeldOut => QuantityUnit::Millimetres,
+            Self::Tilt
+            | Self::Pitch
+            | Self::KyphosisT5T12
+            | Self::KyphosisT1T12
+            | Self::LordosisL1L5
+            | Self::LargestCurve
+            | Self::Convexity
+            | Self::Cobb
+            | Self::TiltRange
+            | Self::Ferguson
+            | Self::ComparisonAngle
+            | Self::LineTilt
+            | Self::FergusonError => QuantityUnit::Degrees,
+            Self::Force => QuantityUnit::Newtons,
+            Self::LeastSegment | Self::LeastDistanceSegments => QuantityUnit::Segments,
+            Self::FilmScale
             | Self::InflectionCount
             | Self::InflectionPair
-            | Self::InflectionY(_)
-            | Self::InflectionZ(_)
-            | Self::InflectionArc(_) => self.of_curve(analysis),
-            Self::LocationY(..)
-            | Self::LocationZ(..)
-            | Self::Tilt(..)
-            | Self::Cobb(..)
-            | Self::TiltRange(..)
-            | Self::Ferguson(..) => self.of_film(analysis),
-            Self::Pitch(_)
-            | Self::Sagittal(_)
-            | Self::LargestCurve(_)
-            | Self::Convexity(_)
-            | Self::SpinalLength => self.in_space(analysis, measures).ok_or(Absent::NotMeasured),
-            Self::FilmScale(posture) => Ok(found(analysis, posture)?.outline.length.scale.factor),
-            Self::LeastSegment(..)
-            | Self::LeastDistanceSegments(..)
-            | Self::LeastDistance(..)
-            | Self::ComparisonAngle(_)
-            | Self::ComparisonDistance(_) => self.of_motion(analysis),
-            _ => self.of_model(analysis, nominal),
+            | Self::LogMultiplier
+            | Self::ContradictedJoints => QuantityUnit::One,
         }
-    }
-
-    fn in_space(self, analysis: &Analysis, measures: Option<&SpatialMeasures>) -> Option<f64> {
-        Some(match self {
-            Self::Pitch(level) => {
-                analysis.movement.space.as_ref()?.vertebra(level)?.orientation.pitch.deg()
-            }
-            Self::Sagittal(part) => measures?.sagittal(part)?.axes_3d.deg(),
-            Self::LargestCurve(region) => measures?.curve(region)?.angle_3d.deg(),
-            Self::Convexity(region) => measures?.curve(region)?.convexity_3d.deg(),
-            Self::SpinalLength => {
-                measures?.length.length_3d_mm
-                    * analysis.movement.scale().pixels_per_mm.unwrap_or(1.0)
-            }
-            _ => return None,
-        })
-    }
-
-    fn of_curve(self, analysis: &Analysis) -> Result<f64, Absent> {
-        let movement = &analysis.movement;
-        let scale = movement.scale();
-        let length = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
-        let at = |end: usize| {
-            movement.inflections.pair.map(|pair| pair[end]).ok_or(Absent::NoInflections)
-        };
-        Ok(match self {
-            Self::ChainLength => length(movement.chain.segment_mm * movement.chain.segments as f64),
-            Self::SegmentLength => length(movement.chain.segment_mm),
-            Self::InflectionCount => movement.inflections.all.len() as f64,
-            Self::InflectionPair => f64::from(u8::from(movement.inflections.pair.is_some())),
-            Self::InflectionY(end) => length(at(end)?.erect.y_mm),
-            Self::InflectionZ(end) => length(at(end)?.erect.z_mm),
-            Self::InflectionArc(end) => length(movement.erect().fit.curve.length_mm(at(end)?.t_mm)),
-            _ => return Err(Absent::NotMeasured),
-        })
-    }
-
-    fn of_film(self, analysis: &Analysis) -> Result<f64, Absent> {
-        if let Self::Cobb(posture, region)
-        | Self::TiltRange(posture, region)
-        | Self::Ferguson(posture, region) = self
-        {
-            let curve = analysis.movement.clinical.iter().find(|curve| curve.region == region);
-            let angle = curve.and_then(|curve| match self {
-                Self::Cobb(..) => curve.cobb_in(posture),
-                Self::TiltRange(..) => Some(curve.angles_in(posture)?.tilt_range),
-                _ => curve.ferguson.iter().find(|(p, _)| *p == posture).map(|(_, angle)| *angle),
-            });
-            return angle.map(Angle::deg).ok_or(Absent::NotMeasured);
-        }
-        let (Self::LocationY(posture, level)
-        | Self::LocationZ(posture, level)
-        | Self::Tilt(posture, level)) = self
-        else {
-            return Err(Absent::NotMeasured);
-        };
-        let film = found(analysis, posture)?;
-        let index = analysis.movement.levels().index_of(level).ok_or(Absent::NotMeasured)?;
-        let vertebra = &film.outline.vertebrae[index];
-        let factor = film.outline.scale.pixels_per_mm.unwrap_or(1.0);
-        Ok(match self {
-            Self::LocationY(..) => vertebra.location.y_mm * factor,
-            Self::LocationZ(..) => vertebra.location.z_mm * factor,
-            _ => vertebra.tilt.deg(),
-        })
-    }
-
-    fn of_motion(self, analysis: &Analysis) -> Result<f64, Absent> {
-        let (posture, window) = match self {
-            Self::LeastSegment(posture, window)
-            | Self::LeastDistanceSegments(posture, window)
-            | Self::LeastDistance(posture, window) => (posture, window),
-            Self::ComparisonAngle(posture) | Self::ComparisonDistance(posture) => (posture, 0),
-            _ => return Err(Absent::NotMeasured),
-        };
-        let film = found(analysis, posture)?;
-        if let Self::LeastSegment(..) = self {
-            let motion = film.motion.as_ref().ok_or(Absent::NotMeasured)?;
-            return Ok(motion.least[window] as f64);
-        }
-        if analysis.movement.inflections.pair.is_none() {
-            return Err(Absent::NoInflections);
-        }
-        let line = || film.line_comparison(LineKind::Inflection).ok_or(Absent::NotMeasured);
-        let estimate =
-            || film.inflection_estimates.map(|pair| pair[window]).ok_or(Absent::NotMeasured);
-        let factor = analysis.movement.scale().pixels_per_mm.unwrap_or(1.0);
-        Ok(match self {
-            Self::ComparisonAngle(_) => line()?.angle.deg(),
-            Self::ComparisonDistance(_) => line()?.distance_mm,
-            Self::LeastDistance(..) => estimate()?.distance_mm * factor,
-            _ => estimate()?.distance_segments as f64,
-        })
-    }
-
-    fn of_model(self, analysis: &Analysis, nominal: &Analysis) -> Result<f64, Absent> {
-        let kind = self.line().ok_or(Absent::NotMeasured)?;
-        let model = fitted_model(analysis, kind)?;
-        match self {
-            Self::LogMultiplier(_, group) => {
-                model.fit.log_multipliers.get(group).copied().ok_or(Absent::NotMeasured)
-            }
-            Self::MeanLocationError(_, fitted) => mean_error(model, fitted),
-            _ => self.of_simulation(model, kind, nominal),
-        }
-    }
-
-    fn of_simulation(
-        self,
-        model: &LineModel,
-        kind: LineKind,
-        nominal: &Analysis,
-    ) -> Result<f64, Absent> {
-        let posture = self.posture().ok_or(Absent::NotMeasured)?;
-        let simulation = model.simulation(posture).ok_or(Absent::NotMeasured)?;
-        if !simulation.is_usable() {
-            return Err(Absent::ForceNotFound);
-        }
-        let line = &simulation.line;
-        // A line that is nearly horizontal may be given in the opposite direction.
-        let own = nominal.model(kind);
-        let own = own.and_then(|model| model.simulation(posture));
-        let sense = own.map_or(1.0, |own| own.line.direction.dot(line.direction).signum());
-        Ok(match self {
-            Self::LineTilt(..) => line.lateral_tilt().deg(),
-            Self::LineOffset(..) => sense * line.lever_arm_mm(found(nominal, posture)?.middle()),
-            Self::Force(..) => sense * simulation.force_n,
-            Self::LocationError(..) => simulation.shape.mean_location_error_mm(),
-            Self::ContradictedJoints(..) => simulation.contradicted.len() as f64,
-            Self::FergusonError(_, _, region) => {
-                simulation.ferguson_difference[region.index()].abs().deg()
-            }
-            _ => return Err(Absent::NotMeasured),
-        })
     }
 
     /// Whether it is a distance or an absolute error, which any noise makes larger on the mean.
@@ -350,59 +203,192 @@ impl AnalysisQuantity {
     pub const fn grows_with_noise(self) -> bool {
         matches!(
             self,
-            Self::LeastDistanceSegments(..)
-                | Self::LeastDistance(..)
-                | Self::ComparisonAngle(_)
-                | Self::ComparisonDistance(_)
-                | Self::LocationError(..)
-                | Self::MeanLocationError(..)
-                | Self::FergusonError(..)
+            Self::LeastDistanceSegments
+                | Self::LeastDistance
+                | Self::ComparisonAngle
+                | Self::ComparisonDistance
+                | Self::LocationError
+                | Self::MeanErrorFitted
+                | Self::MeanErrorHeldOut
+                | Self::FergusonError
         )
     }
 
     /// Period of an angle, in degrees; a line's is half a turn.
-    pub(super) const fn period_deg(self) -> Option<f64> {
+    pub(super) fn period_deg(self) -> Option<f64> {
         match self {
-            Self::Tilt(..)
-            | Self::Pitch(_)
-            | Self::Sagittal(_)
-            | Self::LargestCurve(_)
-            | Self::Convexity(_)
-            | Self::Cobb(..)
-            | Self::TiltRange(..)
-            | Self::Ferguson(..) => Some(360.0),
-            Self::LineTilt(..) => Some(180.0),
-            _ => None,
+            Self::LineTilt => Some(180.0),
+            _ if self.grows_with_noise() => None,
+            _ => (self.full_unit() == QuantityUnit::Degrees).then_some(360.0),
         }
     }
 }
 
-fn found(analysis: &Analysis, posture: Posture) -> Result<&FilmMovement, Absent> {
-    analysis.movement.film(posture).ok_or(Absent::NotMeasured)
-}
+impl AnalysisQuantity {
+    /// The same of a vertebra.
+    #[must_use]
+    pub const fn at(self, level: Level) -> Self {
+        Self { level: Some(level), ..self }
+    }
 
-/// The model of a line whose fit converged.
-pub(super) fn fitted_model(analysis: &Analysis, kind: LineKind) -> Result<&LineModel, Absent> {
-    let model = analysis.model(kind);
-    let model = model.ok_or(match kind {
-        LineKind::Inflection if analysis.movement.inflections.pair.is_none() => {
-            Absent::NoInflections
+    /// The same of a curve.
+    #[must_use]
+    pub const fn in_region(self, region: Region) -> Self {
+        Self { region: Some(region), ..self }
+    }
+
+    /// The same of a line of action.
+    #[must_use]
+    pub const fn along(self, line: LineKind) -> Self {
+        Self { line: Some(line), ..self }
+    }
+
+    /// The same of a multiplier of the line's model, by its place.
+    #[must_use]
+    pub const fn of_multiplier(self, multiplier: usize) -> Self {
+        Self { multiplier: Some(multiplier), ..self }
+    }
+
+    /// The same of an inflection or a window: 0 is the caudal one.
+    #[must_use]
+    pub const fn at_end(self, end: usize) -> Self {
+        Self { end: Some(end), ..self }
+    }
+
+    /// The region, or the name of the joints that share a multiplier, where it has one.
+    #[must_use]
+    pub fn group(self, analysis: &Analysis) -> Option<String> {
+        if let Some(region) = self.region {
+            return Some(region.key().to_owned());
         }
-        _ => Absent::NotMeasured,
-    })?;
-    match model.fit.status {
-        FitStatus::Converged => Ok(model),
-        _ => Err(Absent::FitNotConverged),
+        let place = self.multiplier?;
+        let model = self.line.and_then(|line| analysis.model(line));
+        let name = model.and_then(|model| model.groups.names().get(place).cloned());
+        Some(name.unwrap_or_else(|| format!("group {}", place + 1)))
+    }
+
+    /// `caudal` or `cranial`: which inflection or window.
+    #[must_use]
+    pub fn end_name(self) -> Option<&'static str> {
+        ENDS.get(self.end?).copied()
+    }
+
+    /// The scale of its lengths: of a vertebra its own film's, else the erect film's.
+    pub(super) fn scale(self, analysis: &Analysis) -> &LengthScale {
+        let movement = &analysis.movement;
+        let film = self.level.and(self.posture).and_then(|posture| movement.film(posture));
+        film.map_or(movement.scale(), |film| &film.outline.scale)
+    }
+
+    /// Its unit.
+    #[must_use]
+    pub fn unit(self, analysis: &Analysis) -> QuantityUnit {
+        let gauge = analysis.options.gauge;
+        let model = || self.line.and_then(|line| analysis.model(line));
+        let is_absolute = || model().is_some_and(|model| model.is_absolute(gauge));
+        match self.kind.full_unit() {
+            QuantityUnit::Millimetres if self.scale(analysis).pixels_per_mm.is_some() => {
+                QuantityUnit::Pixels
+            }
+            QuantityUnit::Newtons if !is_absolute() => QuantityUnit::RelativeForce,
+            unit => unit,
+        }
+    }
+
+    /// What its interval does not hold, in words; `None` where [`Uncertainty::CAVEAT`](super::Uncertainty::CAVEAT) says all.
+    #[must_use]
+    pub fn interval_caveat(self) -> Option<&'static str> {
+        self.multiplier.map(|_| MULTIPLIER_COVERAGE)
+    }
+
+    /// Whether a report shows it; only files have numbers of single vertebrae and regions.
+    #[must_use]
+    pub const fn is_reported(self) -> bool {
+        match self.kind {
+            QuantityKind::LocationY
+            | QuantityKind::LocationZ
+            | QuantityKind::Tilt
+            | QuantityKind::Pitch
+            | QuantityKind::SegmentLength
+            | QuantityKind::LeastSegment
+            | QuantityKind::LeastDistance
+            | QuantityKind::LocationError
+            | QuantityKind::FergusonError => false,
+            QuantityKind::ContradictedJoints => {
+                matches!(self.posture, Some(Posture::LeftBending | Posture::RightBending))
+            }
+            _ => true,
+        }
+    }
+
+    /// Whether it is a multiplier that ended at a bound of the fit.
+    pub(super) fn is_at_bound(self, analysis: &Analysis) -> bool {
+        let model = self.line.and_then(|line| analysis.model(line));
+        let bound =
+            model.zip(self.multiplier).and_then(|(model, place)| model.fit.bounds.get(place));
+        bound.is_some_and(|bound| *bound != StiffnessBound::Inside)
     }
 }
 
-fn mean_error(model: &LineModel, fitted: bool) -> Result<f64, Absent> {
-    // A mean over the films that happened to succeed is another quantity.
-    let mut films = model.simulations.iter().filter(|s| s.fitted == fitted);
-    if !films.all(Simulation::is_usable) {
-        return Err(Absent::ForceNotFound);
+/// All quantities of an analysis of these films with these lines.
+pub(super) fn all_of(nominal: &Analysis, lines: &[LineKind]) -> Vec<AnalysisQuantity> {
+    use QuantityKind as K;
+    let movement = &nominal.movement;
+    let postures: Vec<Posture> = movement.films.iter().map(|p| p.outline.posture).collect();
+    let moved = || postures.iter().copied().filter(|posture| *posture != Posture::Erect);
+    let of_erect = [K::ChainLength, K::SegmentLength, K::InflectionCount, K::InflectionPair];
+    let mut all = of_erect.map(K::of_case).to_vec();
+    for end in 0..2 {
+        let of_inflection = [K::InflectionY, K::InflectionZ, K::InflectionArc];
+        all.extend(of_inflection.map(|kind| kind.of_case().at_end(end)));
     }
-    model.mean_location_error_mm(fitted).ok_or(Absent::NotMeasured)
+    for &posture in &postures {
+        for level in movement.levels().iter().skip(1) {
+            let of_vertebra = [K::LocationY, K::LocationZ, K::Tilt];
+            all.extend(of_vertebra.map(|kind| kind.on(posture).at(level)));
+        }
+        for region in Region::ALL {
+            let angles = [K::Cobb, K::TiltRange, K::Ferguson];
+            all.extend(angles.map(|kind| kind.on(posture).in_region(region)));
+        }
+    }
+    let in_space = |kind: K| kind.on(Posture::Erect);
+    let vertebrae = movement.space.iter().flat_map(|space| &space.vertebrae);
+    all.extend(vertebrae.map(|vertebra| in_space(K::Pitch).at(vertebra.level)));
+    if let Some(found) = movement.spatial_measures() {
+        all.extend(found.sagittal.iter().map(|angle| in_space(K::sagittal(angle.part))));
+        for curve in &found.curves {
+            let of_curve = [K::LargestCurve, K::Convexity].map(in_space);
+            all.extend(of_curve.map(|quantity| quantity.in_region(curve.region)));
+        }
+        all.push(in_space(K::SpinalLength));
+    }
+    let is_free = |posture: &Posture| {
+        movement.film(*posture).is_some_and(|film| film.outline.length.is_free())
+    };
+    all.extend(moved().filter(is_free).map(|posture| K::FilmScale.on(posture)));
+    for posture in moved() {
+        for window in 0..2 {
+            let of_window = [K::LeastSegment, K::LeastDistanceSegments, K::LeastDistance];
+            all.extend(of_window.map(|kind| kind.on(posture).at_end(window)));
+        }
+        all.extend([K::ComparisonAngle, K::ComparisonDistance].map(|kind| kind.on(posture)));
+    }
+    for &line in lines {
+        let groups = nominal.model(line).map_or(Region::ALL.len(), |model| model.groups.len());
+        let of_line = |kind: K| kind.of_case().along(line);
+        all.extend((0..groups).map(|place| of_line(K::LogMultiplier).of_multiplier(place)));
+        all.extend([K::MeanErrorFitted, K::MeanErrorHeldOut].map(of_line));
+        for posture in moved() {
+            let on_film = |kind: K| kind.on(posture).along(line);
+            let of_film = [K::LineTilt, K::LineOffset, K::Force, K::LocationError];
+            all.extend(of_film.map(on_film));
+            all.push(on_film(K::ContradictedJoints));
+            let of_region = |region| on_film(K::FergusonError).in_region(region);
+            all.extend(Region::ALL.map(of_region));
+        }
+    }
+    all
 }
 
 #[cfg(test)]
@@ -411,25 +397,25 @@ mod tests {
 
     #[test]
     fn whatever_is_never_negative_and_vanishes_without_noise_has_no_interval() {
-        let (film, line) = (Posture::LeftBending, LineKind::Inflection);
         // Lengths of a difference, and absolute values of one.
         let grow = [
-            AnalysisQuantity::LeastDistanceSegments(film, 0),
-            AnalysisQuantity::LeastDistance(film, 1),
-            AnalysisQuantity::ComparisonAngle(film),
-            AnalysisQuantity::ComparisonDistance(film),
-            AnalysisQuantity::LocationError(line, film),
-            AnalysisQuantity::MeanLocationError(line, true),
-            AnalysisQuantity::FergusonError(line, film, Region::MainThoracic),
+            QuantityKind::LeastDistanceSegments,
+            QuantityKind::LeastDistance,
+            QuantityKind::ComparisonAngle,
+            QuantityKind::ComparisonDistance,
+            QuantityKind::LocationError,
+            QuantityKind::MeanErrorFitted,
+            QuantityKind::MeanErrorHeldOut,
+            QuantityKind::FergusonError,
         ];
-        assert!(grow.into_iter().all(AnalysisQuantity::grows_with_noise));
+        assert!(grow.into_iter().all(QuantityKind::grows_with_noise));
         // Places and signed numbers, which noise carries to both sides.
         let keep = [
-            AnalysisQuantity::LeastSegment(film, 0),
-            AnalysisQuantity::InflectionArc(0),
-            AnalysisQuantity::LineOffset(line, film),
-            AnalysisQuantity::FilmScale(film),
+            QuantityKind::LeastSegment,
+            QuantityKind::InflectionArc,
+            QuantityKind::LineOffset,
+            QuantityKind::FilmScale,
         ];
-        assert!(!keep.into_iter().any(AnalysisQuantity::grows_with_noise));
+        assert!(!keep.into_iter().any(QuantityKind::grows_with_noise));
     }
 }

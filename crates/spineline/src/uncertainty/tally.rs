@@ -58,7 +58,7 @@ impl QuantitySpread {
     /// The multiplier of which it is the logarithm; `None` for any other quantity.
     #[must_use]
     pub fn multiplier(&self) -> Option<MultiplierSpread> {
-        let AnalysisQuantity::LogMultiplier(..) = self.quantity else { return None };
+        self.quantity.multiplier?;
         let value = self.nominal.ok().map(f64::exp);
         let spread = self.interval_95().and(self.spread);
         Some(MultiplierSpread { value, quantiles: spread.map(|s| s.quantiles.map(f64::exp)) })
@@ -73,7 +73,7 @@ impl QuantitySpread {
 
     /// Whether it has an interval where enough replicates have the number.
     fn may_have_interval(&self) -> bool {
-        !self.at_bound && !self.quantity.grows_with_noise()
+        !self.at_bound && !self.quantity.kind.grows_with_noise()
     }
 }
 
@@ -121,7 +121,7 @@ impl<'a> Tally<'a> {
     fn new(of: &'a MonteCarlo<'a>) -> Self {
         let counted = |(nominal, quantity): (Result<f64, Absent>, &AnalysisQuantity)| Counted {
             nominal,
-            values: Centred::around(nominal.ok(), quantity.period_deg()),
+            values: Centred::around(nominal.ok(), quantity.kind.period_deg()),
             absent: BTreeMap::new(),
         };
         let quantities = of.values_in(of.nominal).into_iter().zip(&of.quantities).map(counted);

@@ -375,7 +375,7 @@ fn a_film_without_any_vertebra_of_the_model_is_named() {
 
 #[test]
 fn replicates_carry_the_uncertainty_of_an_interpolated_vertebra() {
-    use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo};
+    use spineline::uncertainty::{LandmarkNoise, MonteCarlo, QuantityKind};
     let mut case = exact_case(0);
     hide(film_mut(&mut case, Posture::Neutral), |level| level == Level::T9);
     let nominal = analyzed(&case, &on_a_table());
@@ -385,7 +385,7 @@ fn replicates_carry_the_uncertainty_of_an_interpolated_vertebra() {
     (0..40).for_each(|index| tally.add(&monte_carlo.replicate(index)));
     let found = tally.finish(40);
     let sd = |posture, level| {
-        let quantity = AnalysisQuantity::Tilt(posture, level);
+        let quantity = QuantityKind::Tilt.on(posture).at(level);
         found.spread(quantity).expect("a tilt has a spread").sd
     };
     // Oracle: landmarks that hardly move, and the stated 4.8°; 40 draws give a deviation to about a tenth.

@@ -5,11 +5,11 @@
 use spineline::analysis::{
     Analysis, AnalysisOptions, AxialSource, PitchSource, TemplateError, analyze, analyze_movement,
 };
-use spineline::anatomy::{Level, SagittalProfile};
+use spineline::anatomy::{Level, Posture, SagittalProfile};
 use spineline::clinical::{SagittalPart, SpatialMeasures};
 use spineline::measure::{SpatialOutline, TiltRule, measure_film};
 use spineline::spatial::{Angle, Mat3, Orientation, Vec3};
-use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
+use spineline::uncertainty::{LandmarkNoise, MonteCarlo, QuantityKind, Uncertainty};
 use spineline::warning::{WarningCode, Warnings};
 use spineline_phantom::{
     EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, generate_in_space,
@@ -281,7 +281,8 @@ fn replicates_vary_a_pitch_by_its_deviation() {
     let (nominal, found) = replicated();
     let space = nominal.movement.space.as_ref().expect("both films");
     for level in [Level::L3, Level::T12, Level::T8, Level::T4] {
-        let spread = found.of(AnalysisQuantity::Pitch(level)).expect("measured");
+        let quantity = QuantityKind::Pitch.on(Posture::Erect).at(level);
+        let spread = found.of(quantity).expect("measured");
         let stated = space.pitch_sd(space.vertebra(level).expect("both films")).deg();
         let share = spread.spread.expect("values").sd / stated;
         assert!((0.8..1.2).contains(&share), "{level}: {share} of the stated deviation");
@@ -353,12 +354,12 @@ fn no_plane_shows_a_larger_curve_than_the_plane_of_maximum_curvature() {
 fn replicates_vary_the_numbers_in_space_by_their_deviations() {
     let (nominal, found) = replicated();
     let measures = nominal.movement.spatial_measures().expect("both films");
-    let sd = |quantity| found.spread(quantity).expect("measured").sd;
+    let sd = |kind: QuantityKind| found.spread(kind.on(Posture::Erect)).expect("measured").sd;
     for angle in &measures.sagittal {
-        let share = sd(AnalysisQuantity::Sagittal(angle.part)) / angle.sd_3d.deg();
+        let share = sd(QuantityKind::sagittal(angle.part)) / angle.sd_3d.deg();
         assert!((0.8..1.2).contains(&share), "{}: {share}", angle.part.key());
     }
-    let share = sd(AnalysisQuantity::SpinalLength) / measures.length.sd_3d_mm;
+    let share = sd(QuantityKind::SpinalLength) / measures.length.sd_3d_mm;
     assert!((0.8..1.2).contains(&share), "length: {share}");
 }
 

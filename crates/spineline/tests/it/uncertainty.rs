@@ -8,7 +8,7 @@ use spineline::measure::{
 use spineline::personalize::StiffnessBound;
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::{
-    Absent, AnalysisQuantity, LandmarkNoise, MonteCarlo, NoiseSource, QuantitySpread, Replicate,
+    Absent, LandmarkNoise, MonteCarlo, NoiseSource, QuantityKind, QuantitySpread, Replicate,
     Spread, Uncertainty, UncertaintyError, VertebraNoise,
 };
 use spineline_phantom::{Readers, Scenario, generate};
@@ -111,7 +111,7 @@ fn without_noise_all_replicates_equal_the_case() {
         assert_eq!(quantity.count, Spread::MIN_COUNT, "{:?}", quantity.quantity);
         assert_eq!(spread.sd, 0.0, "{:?}", quantity.quantity);
         let interval = quantity.interval_95();
-        let has_none = quantity.at_bound || quantity.quantity.grows_with_noise();
+        let has_none = quantity.at_bound || quantity.quantity.kind.grows_with_noise();
         let expected = (!has_none).then_some([spread.mean; 2]);
         assert_eq!(interval, expected, "{:?}", quantity.quantity);
         // A fit starts from the end of the case's fit, and differs by a small part of the noise.
@@ -137,7 +137,7 @@ fn a_multiplier_at_its_bound_has_no_interval() {
         let nominal = analyzed(&case);
         let found = run(&case, LandmarkNoise::Measured, 1, 2 * Spread::MIN_COUNT);
         for one in &found.quantities {
-            let AnalysisQuantity::LogMultiplier(kind, group) = one.quantity else {
+            let Some((kind, group)) = one.quantity.line.zip(one.quantity.multiplier) else {
                 assert!(!one.at_bound, "{:?}", one.quantity);
                 continue;
             };
@@ -238,11 +238,10 @@ fn the_standard_deviation_of_a_single_reading_follows_from_corner_noise() {
     // Monte Carlo's own error of a deviation is one part in √(2n); four of these.
     let limit = 4.0 / (2.0 * count as f64).sqrt();
     for level in [Level::L3, Level::T12, Level::T7, Level::T2] {
-        let quantities =
-            [AnalysisQuantity::LocationY, AnalysisQuantity::LocationZ, AnalysisQuantity::Tilt];
+        let kinds = [QuantityKind::LocationY, QuantityKind::LocationZ, QuantityKind::Tilt];
         let right = propagated(&body(Level::L4), &body(level), sd_mm);
-        for (quantity, right) in quantities.into_iter().zip(right) {
-            let sd = found.spread(quantity(Posture::Erect, level)).expect("measured").sd;
+        for (kind, right) in kinds.into_iter().zip(right) {
+            let sd = found.spread(kind.on(Posture::Erect).at(level)).expect("measured").sd;
             assert!((sd / right - 1.0).abs() < limit, "{level}: {sd} {right}");
         }
     }
@@ -262,7 +261,8 @@ fn the_standard_deviation_of_a_mean_decreases_with_the_root_of_n() {
     }
     let sd = |case: &Case| {
         let found = run(case, LandmarkNoise::Pixels(2.0), 11, 1000);
-        found.spread(AnalysisQuantity::Tilt(Posture::Erect, Level::T8)).expect("measured").sd
+        let tilt = QuantityKind::Tilt.on(Posture::Erect).at(Level::T8);
+        found.spread(tilt).expect("measured").sd
     };
     let ratio = sd(&one) / sd(&four);
     assert!((ratio / 2.0 - 1.0).abs() < 0.12, "{ratio}");
@@ -317,7 +317,8 @@ fn locations_of_other_programs_are_perturbed_by_their_stated_noise_without_pixel
     let case = placed(&erect(case(4, Scenario::Rod, &Readers::exact())));
     let found = run(&case, LandmarkNoise::Measured, 2, 1500);
     assert_eq!(found.noise[0].source, NoiseSource::Assumed);
-    let sd = found.spread(AnalysisQuantity::Tilt(Posture::Erect, Level::T5)).expect("measured").sd;
+    let tilt = QuantityKind::Tilt.on(Posture::Erect).at(Level::T5);
+    let sd = found.spread(tilt).expect("measured").sd;
     assert!((sd / (0.7 * 2.0_f64.sqrt()) - 1.0).abs() < 0.08, "{sd}");
     let nominal = analyzed(&case);
     let refused = MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(2.0), 1).err();
@@ -368,9 +369,10 @@ fn inflections_absent_in_some_replicates_are_counted() {
     let mut tally = monte_carlo.tally();
     (0..200).for_each(|index| tally.add(&monte_carlo.replicate(index)));
     let found = tally.finish(200);
-    let share = found.spread(AnalysisQuantity::InflectionPair).expect("always told").mean;
+    let share = found.spread(QuantityKind::InflectionPair.of_case()).expect("always told").mean;
     assert!((0.1..0.9).contains(&share), "{share}");
-    let caudal = found.of(AnalysisQuantity::InflectionY(0)).expect("asked for");
+    let caudal = QuantityKind::InflectionY.of_case().at_end(0);
+    let caudal = found.of(caudal).expect("asked for");
     assert_eq!(caudal.absent, [(Absent::NoInflections, 200 - caudal.count)]);
     assert!((caudal.count as f64 / 200.0 - share).abs() < 1e-12);
 }
@@ -392,15 +394,16 @@ fn intervals_cover_true_values_where_there_is_no_selection() {
         let found = run(&case, LandmarkNoise::Pixels(4.0), 1, 300);
         let truth = phantom.posture(Posture::Erect).expect("every phantom stands");
         for (i, &level) in Level::MODEL.iter().enumerate().skip(1) {
-            let spread = found.of(AnalysisQuantity::Tilt(Posture::Erect, level)).expect("measured");
+            let tilt = QuantityKind::Tilt.on(Posture::Erect).at(level);
+            let spread = found.of(tilt).expect("measured");
             let [low, high] = spread.interval_95().expect("a tilt");
             let right = (truth.tilts[i] - truth.tilts[0]).deg();
             covered += f64::from(u8::from((low..=high).contains(&right)));
             asked += 1.0;
         }
         // The ends of a Cobb angle are a choice of the noisy tilts: it is never far from the true one.
-        let main = found.spread(AnalysisQuantity::Cobb(Posture::Erect, Region::MainThoracic));
-        cobb += main.expect("measured").sd / 16.0;
+        let main = QuantityKind::Cobb.on(Posture::Erect).in_region(Region::MainThoracic);
+        cobb += found.spread(main).expect("measured").sd / 16.0;
     }
     let rate = covered / asked;
     assert!((0.90..=0.99).contains(&rate), "{rate}");
@@ -412,8 +415,7 @@ fn intervals_cover_true_values_where_there_is_no_selection() {
 fn a_fit_whose_variances_drift_slowly_ends() {
     // Oracle: every replicate of a spine that a force bends has a line of best fit. Steps that were shortened from round 30 on lost one.
     let found = run(&case(3, Scenario::Pull, &Readers::default()), LandmarkNoise::Measured, 1, 100);
-    let is_angle =
-        |one: &&QuantitySpread| matches!(one.quantity, AnalysisQuantity::ComparisonAngle(_));
+    let is_angle = |one: &&QuantitySpread| one.quantity.kind == QuantityKind::ComparisonAngle;
     let angles: Vec<&QuantitySpread> = found.quantities.iter().filter(is_angle).collect();
     assert!(!angles.is_empty());
     for one in angles {

@@ -4,7 +4,7 @@ use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::number::fixed;
 use spineline::personalize::MULTIPLIER_COVERAGE;
-use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
+use spineline::uncertainty::{QuantityKind, QuantitySpread, QuantityUnit, Uncertainty};
 use spineline_report::patient::parts;
 
 use crate::api::{Computation, ComputationView, IntervalView, Wire};
@@ -51,15 +51,10 @@ fn texts(found: &Uncertainty) -> Vec<String> {
 
 /// Angles of the erect film, scales of films, multipliers and forces.
 fn intervals(analysis: &Analysis, found: &Uncertainty) -> Vec<IntervalView> {
-    let is_shown = |one: &&QuantitySpread| {
-        matches!(
-            one.quantity,
-            AnalysisQuantity::Cobb(Posture::Erect, _)
-                | AnalysisQuantity::Ferguson(Posture::Erect, _)
-                | AnalysisQuantity::FilmScale(_)
-                | AnalysisQuantity::LogMultiplier(..)
-                | AnalysisQuantity::Force(..)
-        )
+    let is_shown = |one: &&QuantitySpread| match one.quantity.kind {
+        QuantityKind::Cobb | QuantityKind::Ferguson => one.quantity.posture == Some(Posture::Erect),
+        QuantityKind::FilmScale | QuantityKind::LogMultiplier | QuantityKind::Force => true,
+        _ => false,
     };
     let shown = found.quantities.iter().filter(is_shown);
     shown.filter_map(|one| interval(analysis, one)).collect()
