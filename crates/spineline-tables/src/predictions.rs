@@ -2,7 +2,7 @@
 
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::anatomy::{Level, Posture};
-use spineline::evaluate::{Band, FilmShape};
+use spineline::evaluate::Band;
 use spineline::spatial::Frontal;
 
 use crate::Patient;
@@ -34,26 +34,19 @@ fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
     let compared = analysis.comparison();
     let mut all = Vec::new();
     for (film, bands) in compared.films.iter().zip(&bands.films) {
-        let mut add = |method, band: Option<&Band>, shape: &FilmShape| {
-            let outline = analysis.movement.film(film.posture).map(|film| &film.outline);
-            let Some((band, outline)) = band.zip(outline) else { return };
+        let outline = analysis.movement.film(film.posture).map(|film| &film.outline);
+        for (by, band) in &bands.bands {
+            let Some((shape, outline)) = film.shape(*by).zip(outline) else { continue };
             let shown = outline.measured().skip(1).zip(&shape.location_errors_mm);
             all.extend(shown.map(|((i, vertebra), &error_mm)| Predicted {
                 posture: film.posture,
                 role: film.role,
-                method,
+                method: compared.key(*by),
                 level: vertebra.level,
                 location: shape.locations[i],
                 error_mm,
                 radius_mm: band.radii_mm[i - 1],
             }));
-        };
-        for (line, found) in compared.lines.iter().zip(&film.simulations) {
-            let Some(found) = found else { continue };
-            add(line.kind.key(), bands.line(line.kind), &found.shape);
-        }
-        for found in &film.baselines {
-            add(found.baseline.key(), bands.baseline(found.baseline), &found.shape);
         }
     }
     all

@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use spineline::analysis::{
-    Analysis, BAND_COVERAGE, BendEvidence, ComparedFilm, ComparedLine, Compatibility, FilmBands,
-    FilmRole, FreeNumbers, LinesCompared, MeanErrors,
+    Analysis, BAND_COVERAGE, BendEvidence, ComparedFilm, Compatibility, FilmBands, FilmRole,
+    FreeNumbers, LinesCompared, MeanErrors, Predictor,
 };
 use spineline::anatomy::{Levels, Posture};
 use spineline::cohort::{BaselineTest, BaselinesOverPatients};
@@ -169,7 +169,7 @@ impl ComparisonRecord {
             baselines_mm: baselines_mm(found),
             against_baselines: against_baselines(analysis),
             films: films
-                .map(|(one, bands)| film(one, bands, &found.lines, analysis.movement.levels()))
+                .map(|(one, bands)| film(one, bands, found, analysis.movement.levels()))
                 .collect(),
             band_coverage: BAND_COVERAGE.to_owned(),
             band_film_factor: Band::WHOLE_FILM,
@@ -240,13 +240,12 @@ impl NumbersRecord {
 fn film(
     film: &ComparedFilm,
     bands: &FilmBands,
-    lines: &[ComparedLine],
+    found: &LinesCompared,
     levels: Levels,
 ) -> FilmRecord {
-    let of_lines = bands.lines.iter().map(|(kind, band)| (kind.key(), band));
-    let of_baselines = bands.baselines.iter().map(|(one, band)| (one.key(), band));
-    let band = |(key, band): (&str, &Band)| (key.to_owned(), BandRecord::new(band, levels));
-    let location_mm = lines.iter().zip(&film.simulations).map(|(line, simulation)| {
+    let band =
+        |(by, band): &(Predictor, Band)| (found.key(*by).to_owned(), BandRecord::new(band, levels));
+    let location_mm = found.lines.iter().zip(&film.simulations).map(|(line, simulation)| {
         let mm = simulation.as_ref().map(|found| found.shape.mean_location_error_mm());
         (line.kind.key().to_owned(), mm)
     });
@@ -255,7 +254,7 @@ fn film(
         role: film.role.key().to_owned(),
         location_mm: location_mm.collect(),
         baselines: film.baselines.iter().map(baseline).collect(),
-        band_95: of_lines.chain(of_baselines).map(band).collect(),
+        band_95: bands.bands.iter().map(band).collect(),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, Predictor, analyze};
 use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline::evaluate::Band;
 use spineline::measure::Outline;
@@ -51,14 +51,16 @@ fn of_locations(coverage: &mut Coverage, band: &Band, film: &Outline, errors_mm:
 
 fn add(coverages: &mut Coverages, analysis: &Analysis) {
     let movement = &analysis.movement;
-    let bands = analysis.bands();
-    for (film, bands) in analysis.comparison().films.iter().zip(&bands.films) {
+    let compared = analysis.comparison();
+    for (film, bands) in compared.films.iter().zip(&analysis.bands().films) {
         let outline = &movement.film(film.posture).expect("a film").outline;
-        let name = |method: &str| format!("{} {method}", film.role.key());
-        for (line, found) in analysis.comparison().lines.iter().zip(&film.simulations) {
-            let Some((found, band)) = found.as_ref().zip(bands.line(line.kind)) else { continue };
-            let coverage = coverages.entry(name(line.kind.key())).or_default();
-            of_locations(coverage, band, outline, &found.shape.location_errors_mm);
+        for (by, band) in &bands.bands {
+            let name = format!("{} {}", film.role.key(), compared.key(*by));
+            let coverage = coverages.entry(name).or_default();
+            let shape = film.shape(*by).expect("a band is about a result");
+            of_locations(coverage, band, outline, &shape.location_errors_mm);
+            let Predictor::Line(place) = *by else { continue };
+            let found = film.simulations[place].as_ref().expect("a line with a result");
             for (i, bounds) in movement.regions.bounds.iter().enumerate() {
                 let error = found.ferguson_difference[i].abs();
                 coverage.ferguson.add(error <= band.ferguson[i]);
@@ -67,11 +69,6 @@ fn add(coverages: &mut Coverages, analysis: &Analysis) {
                 let off = range(&|i| found.tilts[i]) - range(&|i| outline.vertebrae[i].tilt);
                 coverage.tilt_range.add(off.wrapped().abs() <= band.tilt_range[i]);
             }
-        }
-        for found in &film.baselines {
-            let Some(band) = bands.baseline(found.baseline) else { continue };
-            let coverage = coverages.entry(name(found.baseline.key())).or_default();
-            of_locations(coverage, band, outline, &found.shape.location_errors_mm);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The personalised models: shapes, springs, errors, and the lines side by side.
 
-use spineline::analysis::{Analysis, BAND_COVERAGE, FilmRole, LineModel, LinesCompared};
+use spineline::analysis::{Analysis, BAND_COVERAGE, FilmRole, LineModel, LinesCompared, Predictor};
 use spineline::anatomy::Posture;
 use spineline::evaluate::{Baseline, Simulation};
 use spineline::multibody::StiffnessLibrary;
@@ -313,7 +313,7 @@ pub fn by_line(analysis: &Analysis) -> Table {
                 if role == FilmRole::Fitted { "none: fitted" } else { "prediction" }.to_owned(),
                 format!("{} of {all}", errors.films),
                 fixed(errors.location_mm, 2),
-                radius(bands.mean_of_line(line.kind, role)),
+                radius(bands.mean_radius_mm(Predictor::Line(place), role)),
                 fixed(errors.ferguson_deg, 1),
                 numbers(&line.numbers, role),
             ]);
@@ -326,7 +326,7 @@ pub fn by_line(analysis: &Analysis) -> Table {
                 "without mechanics".to_owned(),
                 format!("{} of {all}", found.baseline_films(baseline, role)),
                 fixed(mm, 2),
-                radius(bands.mean_of_baseline(baseline, role)),
+                radius(bands.mean_radius_mm(Predictor::Baseline(baseline), role)),
                 none(),
                 format!("{} per film", taken(baseline)),
             ]);

@@ -1,7 +1,7 @@
 //! The first page: which line, how sure, how stiff, what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmRole, LineModel, MultiplierEnding};
+use spineline::analysis::{Analysis, FilmRole, LineModel, MultiplierEnding, Predictor};
 use spineline::evaluate::Baseline;
 use spineline::number::{self, fixed};
 use spineline::personalize::{Identifiability, StiffnessBound, TestOutcome};
@@ -209,7 +209,7 @@ fn table(analysis: &Analysis) -> Table {
         let mut row = vec![sentence_case(&line.kind.to_string()), outcome(analysis, model)];
         row.extend(roles.iter().flat_map(|&role| {
             let error = compared.errors(i, role).map(|found| found.location_mm);
-            [mm(error), mm(bands.mean_of_line(line.kind, role))]
+            [mm(error), mm(bands.mean_radius_mm(Predictor::Line(i), role))]
         }));
         row.push(line.numbers.per_predicted_film.to_string());
         table.row(row);
@@ -220,11 +220,10 @@ fn table(analysis: &Analysis) -> Table {
             continue;
         }
         let mut row = vec![format!("* {baseline}"), none()];
+        let by = Predictor::Baseline(baseline);
+        let cells = roles.iter().zip(errors);
         row.extend(
-            roles
-                .iter()
-                .zip(errors)
-                .flat_map(|(&role, error)| [mm(error), mm(bands.mean_of_baseline(baseline, role))]),
+            cells.flat_map(|(&role, error)| [mm(error), mm(bands.mean_radius_mm(by, role))]),
         );
         row.push(taken(baseline).to_string());
         table.row(row);

@@ -1,7 +1,7 @@
 //! The first screen answers which line, how sure, how stiff and what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmRole, MultiplierVerdict};
+use spineline::analysis::{Analysis, FilmRole, MultiplierVerdict, Predictor};
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
 use spineline::evaluate::Baseline;
 use spineline::number::fixed;
@@ -61,7 +61,8 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
         for (cell, role) in [(2, FilmRole::LeftOutBend), (4, FilmRole::HeldOut)] {
             let mm = compared.errors(place, role).map(|errors| errors.location_mm);
             assert_eq!(row[cell], shown(mm));
-            assert_eq!(row[cell + 1], shown(bands.mean_of_line(line.kind, role)));
+            let radius = bands.mean_radius_mm(Predictor::Line(place), role);
+            assert_eq!(row[cell + 1], shown(radius));
         }
     }
     assert!(table.rows.iter().any(|row| row[0].starts_with("* ")), "a row without mechanics");

@@ -1,7 +1,7 @@
 //! What a terminal shows holds every number and every word of the analysis, aligned and in lines that fit.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Predictor, analyze};
 use spineline::anatomy::Level;
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::hypothesis::{Hypothesis, HypothesisScores, Role, compare};
@@ -167,13 +167,14 @@ fn every_error_force_and_multiplier_is_shown() {
                 FilmRole::Fitted => format!("= {} fitted", line.numbers.fitted()),
                 _ => format!("{} per film", line.numbers.per_predicted_film),
             };
+            let radius = bands.mean_radius_mm(Predictor::Line(place), role);
             let cells = [
                 role.to_string(),
                 line.kind.to_string(),
                 evidence.to_owned(),
                 format!("{} of {}", errors.films, compared.count(role)),
                 fixed(errors.location_mm, 2),
-                bands.mean_of_line(line.kind, role).map_or("–".to_owned(), |mm| fixed(mm, 1)),
+                radius.map_or("–".to_owned(), |mm| fixed(mm, 1)),
                 fixed(errors.ferguson_deg, 1),
             ];
             holds(&text, &cells);

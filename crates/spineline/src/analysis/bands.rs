@@ -1,19 +1,16 @@
 //! 95 % bands of predicted films, by method.
 
-use super::comparison::FilmRole;
-use crate::action::LineKind;
-use crate::evaluate::{Band, Baseline};
+use super::comparison::{FilmRole, Predictor};
+use crate::evaluate::Band;
 use crate::number::mean;
 
-/// The bands of a film, by method.
+/// The bands of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmBands {
     /// Role of the film for lines and predictions without mechanics.
     pub role: FilmRole,
-    /// Lines that predict it.
-    pub lines: Vec<(LineKind, Band)>,
-    /// Predictions without mechanics.
-    pub baselines: Vec<(Baseline, Band)>,
+    /// By predictor with a result: lines, then predictions without mechanics.
+    pub bands: Vec<(Predictor, Band)>,
 }
 
 /// How often the bands hold the measured film (decision 0061).
@@ -29,34 +26,18 @@ pub struct Bands {
 }
 
 impl Bands {
-    /// Mean radius over the films of a role that a line predicts, in mm.
+    /// Mean radius over the films of a role on which a predictor has a result, in mm.
     #[must_use]
-    pub fn mean_of_line(&self, kind: LineKind, role: FilmRole) -> Option<f64> {
-        self.mean_mm(role, |film| film.line(kind))
-    }
-
-    /// Mean radius over the films of a role that a baseline predicts, in mm.
-    #[must_use]
-    pub fn mean_of_baseline(&self, baseline: Baseline, role: FilmRole) -> Option<f64> {
-        self.mean_mm(role, |film| film.baseline(baseline))
-    }
-
-    fn mean_mm(&self, role: FilmRole, band: impl Fn(&FilmBands) -> Option<&Band>) -> Option<f64> {
+    pub fn mean_radius_mm(&self, by: Predictor, role: FilmRole) -> Option<f64> {
         let films = self.films.iter().filter(|film| film.role == role);
-        mean(films.filter_map(band).map(Band::mean_radius_mm))
+        mean(films.filter_map(|film| film.band(by)).map(Band::mean_radius_mm))
     }
 }
 
 impl FilmBands {
-    /// The band of a line; `None` where it has no result.
+    /// The band of a predictor; `None` where it has no result.
     #[must_use]
-    pub fn line(&self, kind: LineKind) -> Option<&Band> {
-        self.lines.iter().find(|(own, _)| *own == kind).map(|(_, band)| band)
-    }
-
-    /// The band of a prediction without mechanics.
-    #[must_use]
-    pub fn baseline(&self, baseline: Baseline) -> Option<&Band> {
-        self.baselines.iter().find(|(own, _)| *own == baseline).map(|(_, band)| band)
+    pub fn band(&self, by: Predictor) -> Option<&Band> {
+        self.bands.iter().find(|(own, _)| *own == by).map(|(_, band)| band)
     }
 }

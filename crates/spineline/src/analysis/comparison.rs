@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use super::LineModel;
 use crate::action::LineKind;
 use crate::anatomy::Posture;
-use crate::evaluate::{Baseline, BaselinePrediction, Simulation};
+use crate::evaluate::{Baseline, BaselinePrediction, FilmShape, Simulation};
 use crate::personalize::{FitTarget, Gauge};
 
 named! {
@@ -102,21 +102,20 @@ impl ComparedFilm {
         self.baselines.iter().find(|one| one.baseline == baseline && one.is_usable())
     }
 
-    /// Location errors in mm of a predictor of the film; `None` without a result.
-    fn errors_mm(&self, by: Predictor) -> Option<&[f64]> {
+    /// The shape by a predictor of the film; `None` without a result.
+    #[must_use]
+    pub fn shape(&self, by: Predictor) -> Option<&FilmShape> {
         match by {
-            Predictor::Line(line) => {
-                Some(&self.simulations[line].as_ref()?.shape.location_errors_mm)
-            }
-            Predictor::Baseline(one) => Some(&self.baseline(one)?.shape.location_errors_mm),
+            Predictor::Line(line) => self.simulations[line].as_ref().map(|found| &found.shape),
+            Predictor::Baseline(one) => self.baseline(one).map(|found| &found.shape),
         }
     }
 }
 
 /// A predictor of the vertebrae of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Predictor {
-    /// A line, by its place in the comparison.
+pub enum Predictor {
+    /// A line, by its place in [`LinesCompared::lines`].
     Line(usize),
     /// Joint rotations without mechanics.
     Baseline(Baseline),
@@ -190,6 +189,15 @@ pub struct MeanErrors {
 }
 
 impl LinesCompared {
+    /// The name of a predictor in files.
+    #[must_use]
+    pub fn key(&self, by: Predictor) -> &'static str {
+        match by {
+            Predictor::Line(place) => self.lines[place].kind.key(),
+            Predictor::Baseline(one) => one.key(),
+        }
+    }
+
     fn of_role(&self, role: FilmRole) -> impl Iterator<Item = (usize, &ComparedFilm)> {
         self.films.iter().enumerate().filter(move |(_, film)| film.role == role)
     }
@@ -228,15 +236,15 @@ impl LinesCompared {
 
     /// Places of the films of a role that have a prediction.
     fn predicted(&self, by: Predictor, role: FilmRole) -> Vec<usize> {
-        let films = self.of_role(role).filter(|(_, film)| film.errors_mm(by).is_some());
+        let films = self.of_role(role).filter(|(_, film)| film.shape(by).is_some());
         films.map(|(place, _)| place).collect()
     }
 
     /// Mean location error in mm over some films; `None` if one is not predicted, or without films.
     fn mean_mm(&self, by: Predictor, films: &[usize]) -> Option<f64> {
-        let errors: Option<Vec<&[f64]>> =
-            films.iter().map(|&film| self.films[film].errors_mm(by)).collect();
-        mean(errors?.concat())
+        let shapes = films.iter().map(|&film| self.films[film].shape(by));
+        let shapes = shapes.collect::<Option<Vec<_>>>()?;
+        mean(shapes.into_iter().flat_map(|shape| shape.location_errors_mm.iter().copied()))
     }
 
     /// The lines that take fewest numbers from a predicted film, by their mean location error on the same films: bends that were left out,

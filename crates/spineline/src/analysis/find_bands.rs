@@ -2,7 +2,7 @@
 
 use super::Analysis;
 use super::bands::{Bands, FilmBands};
-use super::comparison::{ComparedFilm, FilmRole};
+use super::comparison::{ComparedFilm, FilmRole, Predictor};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::clinical::Regions;
@@ -72,25 +72,20 @@ impl Known {
         }
     }
 
-    fn line<'a>(&'a self, film: &'a ComparedFilm, place: usize) -> Option<PredictedFilm<'a>> {
-        let found = film.simulations[place].as_ref()?;
-        Some(self.film(self.by_place.as_ref()?, &found.shape))
-    }
-
-    fn baseline<'a>(&'a self, film: &'a ComparedFilm, one: Baseline) -> Option<PredictedFilm<'a>> {
-        let found = film.baseline(one)?;
-        let covariance = match one {
-            Baseline::RotationPrior => self.by_given_and_place.as_ref(),
-            Baseline::RotationPriorWithTilt => {
+    fn predicted<'a>(&'a self, film: &'a ComparedFilm, by: Predictor) -> Option<PredictedFilm<'a>> {
+        let covariance = match by {
+            Predictor::Baseline(Baseline::RotationPrior) => self.by_given_and_place.as_ref(),
+            Predictor::Baseline(Baseline::RotationPriorWithTilt) => {
                 self.by_given_place_and_tilt.as_ref().or(self.by_place_and_tilt.as_ref())
             }
             // Its errors depend on the form of the curve, not on joints.
-            Baseline::Cubic => None,
-            Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients => {
-                self.by_place.as_ref()
-            }
+            Predictor::Baseline(Baseline::Cubic) => None,
+            Predictor::Line(_)
+            | Predictor::Baseline(
+                Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients,
+            ) => self.by_place.as_ref(),
         };
-        Some(self.film(covariance?, &found.shape))
+        Some(self.film(covariance?, film.shape(by)?))
     }
 
     fn load<'a>(&'a self, found: &'a ShapePrediction) -> Option<PredictedFilm<'a>> {
@@ -166,26 +161,22 @@ impl Analysis {
         let regions = &self.movement.regions;
         let none = |(film, _): &(&ComparedFilm, Option<&Known>)| FilmBands {
             role: film.role,
-            lines: Vec::new(),
-            baselines: Vec::new(),
+            bands: Vec::new(),
         };
         let mut bands: Vec<FilmBands> = films.iter().map(none).collect();
-        for (place, line) in compared.lines.iter().enumerate() {
-            let predicted: Vec<_> = films.iter().map(|(film, k)| (*k)?.line(film, place)).collect();
-            let of_others = |_| mean_square_of_line(line.kind);
-            let found = of_method(&predicted, regions, of_others, is_left_out);
-            for (film, band) in bands.iter_mut().zip(found) {
-                film.lines.extend(band.map(|band| (line.kind, band)));
-            }
-        }
-        for one in Baseline::ALL {
+        let lines = (0..compared.lines.len()).map(Predictor::Line);
+        for by in lines.chain(Baseline::ALL.map(Predictor::Baseline)) {
             let predicted: Vec<_> =
-                films.iter().map(|(film, k)| (*k)?.baseline(film, one)).collect();
-            let of_others =
-                |i: usize| mean_square_of_baseline(one, films[i].1.is_some_and(Known::has_given));
+                films.iter().map(|(film, known)| (*known)?.predicted(film, by)).collect();
+            let of_others = |i: usize| match by {
+                Predictor::Line(place) => mean_square_of_line(compared.lines[place].kind),
+                Predictor::Baseline(one) => {
+                    mean_square_of_baseline(one, films[i].1.is_some_and(Known::has_given))
+                }
+            };
             let found = of_method(&predicted, regions, of_others, is_left_out);
             for (film, band) in bands.iter_mut().zip(found) {
-                film.baselines.extend(band.map(|band| (one, band)));
+                film.bands.extend(band.map(|band| (by, band)));
             }
         }
         bands

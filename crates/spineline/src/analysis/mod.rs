@@ -52,7 +52,7 @@ pub use choice::ModelChoice;
 pub(crate) use comparison::ferguson_errors_deg;
 pub use comparison::{
     ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LinesCompared, MeanErrors,
-    Ranking,
+    Predictor, Ranking,
 };
 pub use compatibility::{BendEvidence, Compatibility};
 pub use headline::Headline;
