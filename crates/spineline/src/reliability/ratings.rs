@@ -6,7 +6,7 @@ use super::Undefined;
 pub(super) type Reader = (String, u32);
 
 /// Readings of one quantity: subjects × observers × repeats, with or without gaps.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct RatedQuantity {
     /// Stable name, such as `spacing`.
     pub key: String,
@@ -37,10 +37,17 @@ struct Cell {
     value: f64,
 }
 
-/// The number of a name, in the order in which they come.
-fn number<K: Ord>(names: &mut BTreeMap<K, u32>, name: K) -> u32 {
+/// The number of a name, in the order in which they come. A name that is known is not copied.
+fn number<Name>(names: &mut BTreeMap<Name::Owned, u32>, name: &Name) -> u32
+where
+    Name: ?Sized + Ord + ToOwned<Owned: Ord>,
+{
+    if let Some(&known) = names.get(name) {
+        return known;
+    }
     let next = names.len() as u32;
-    *names.entry(name).or_insert(next)
+    names.insert(name.to_owned(), next);
+    next
 }
 
 impl RatedQuantity {
@@ -51,21 +58,7 @@ impl RatedQuantity {
         meaning: impl Into<String>,
     ) -> Self {
         let (key, unit, meaning) = (key.into(), unit.into(), meaning.into());
-        let (readers, parts, places) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
-        let (not_reviewed, accepted, subjects) = (0, 0, 0);
-        let left_out_in_pixels = Vec::new();
-        Self {
-            key,
-            unit,
-            meaning,
-            not_reviewed,
-            accepted,
-            left_out_in_pixels,
-            readers,
-            parts,
-            places,
-            subjects,
-        }
+        Self { key, unit, meaning, ..Self::default() }
     }
 
     /// Adds a reading; `false`, and nothing is changed, where this observer's repeat of this subject is there already.
@@ -83,14 +76,7 @@ impl RatedQuantity {
         reader: &Reader,
         value: f64,
     ) -> bool {
-        let reader = match self.readers.get(reader) {
-            Some(&known) => known,
-            None => number(&mut self.readers, reader.clone()),
-        };
-        let part = match self.parts.get(part) {
-            Some(&known) => known,
-            None => number(&mut self.parts, part.to_owned()),
-        };
+        let (reader, part) = (number(&mut self.readers, reader), number(&mut self.parts, part));
         if !self.places.contains_key(place) {
             self.places.insert(place.to_owned(), Vec::new());
         }
