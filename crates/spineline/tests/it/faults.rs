@@ -3,7 +3,8 @@
 use std::mem::swap;
 
 use crate::common::{
-    analyzed, case_of, exact_case, film_mut, graph_film, landmarks, on_a_table, refused, spacing,
+    analyzed, case_of, exact_case, film_mut, graph_film, landmarks, mistake_sides, on_a_table,
+    refused, spacing, warned,
 };
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
@@ -11,34 +12,12 @@ use spineline::anatomy::{Level, Posture};
 use spineline::chain::{Chain, ChainError, SEGMENT_WINDOW};
 use spineline::curve::{CurveError, InflectionChoice, OrderRule, Site};
 use spineline::error::{CaseError, Error};
-use spineline::measure::{Film, IliacCrests, MeasureFault};
+use spineline::measure::{IliacCrests, MeasureFault};
 use spineline::spatial::{Angle, Frontal};
-use spineline::warning::{Step, Warning, WarningCode};
+use spineline::warning::{Step, WarningCode};
 
 fn kinds(analysis: &Analysis) -> Vec<LineKind> {
     analysis.models.iter().map(|model| model.kind).collect()
-}
-
-/// The warning of a code, about a film where one is given.
-#[track_caller]
-fn warned(analysis: &Analysis, code: WarningCode, posture: Option<Posture>) -> &Warning {
-    let mut all = analysis.warnings.all().iter();
-    let found = all.find(|w| w.code == code && (posture.is_none() || w.posture == posture));
-    let warning = found.unwrap_or_else(|| panic!("no {code:?} in {:?}", analysis.warnings.all()));
-    assert!(!warning.message.is_empty());
-    warning
-}
-
-/// The film as someone sees it who takes the picture for its mirror image, corners and all.
-fn mistake_sides(film: &mut Film) {
-    let (image, crests, readings) = landmarks(film);
-    image.patient_left = image.patient_left.opposite();
-    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        let corners = &mut landmark.corners;
-        swap(&mut corners.superior_left, &mut corners.superior_right);
-        swap(&mut corners.inferior_left, &mut corners.inferior_right);
-    }
-    *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
 }
 
 /// A spine of `curves` equal curves that turn by about `turn` each, with or without its two bends.

@@ -3,7 +3,7 @@
 
 use crate::common::{
     analyzed, assert_near, case_of, exact_case, film_mut, graph_film, landmarks, on_a_table,
-    placement_film, refused,
+    placement_film, refused, warned,
 };
 use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
@@ -69,10 +69,8 @@ fn f37_a_line_outside_of_the_body_gives_a_warning_with_its_distance() {
     let far = LineOfAction::leaning(Frontal::new(2000.0, 0.0), Angle::ZERO);
     let analysis = with_line(far);
     check_ending(&analysis);
-    let warnings = analysis.warnings.all();
-    let warning = warnings.iter().find(|warning| warning.code == WarningCode::GivenLineFar);
-    let warning = warning.expect("a warning of the distance");
-    assert_eq!((warning.code.step(), warning.posture), (Step::Action, Some(Posture::LeftBending)));
+    let warning = warned(&analysis, WarningCode::GivenLineFar, Some(Posture::LeftBending));
+    assert_eq!(warning.code.step(), Step::Action);
     assert!(warning.message.contains("mm from the nearest vertebra"), "{}", warning.message);
     let near = with_line(LineOfAction::leaning(place(Level::T8), Angle::ZERO));
     assert!(near.warnings.all().iter().all(|warning| warning.code != WarningCode::GivenLineFar));
@@ -161,9 +159,7 @@ fn f35_postures_without_a_common_count_take_the_nearest_and_say_that_lengths_dif
     spacing.column_mm *= 0.9;
     spacing.row_mm *= 0.9;
     let analysis = analyzed(&case, &on_a_table());
-    let warning =
-        analysis.warnings.all().iter().find(|warning| warning.code == WarningCode::LengthsDiffer);
-    assert_eq!(warning.expect("a warning").posture, Some(Posture::LeftBending));
+    warned(&analysis, WarningCode::LengthsDiffer, Some(Posture::LeftBending));
 }
 
 #[test]

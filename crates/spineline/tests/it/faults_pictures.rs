@@ -5,7 +5,7 @@
 
 use crate::common::{
     analyzed, assert_near, exact_case, film_mut, landmarks, measured, on_a_table, phantom,
-    placement_film, refused, spacing,
+    placement_film, refused, spacing, warned,
 };
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::{ImageSide, Level, Posture, SagittalProfile};
@@ -74,11 +74,9 @@ fn one_film_without_spacing_leaves_the_others_their_millimetres() {
     let analysis = analyzed(&case, &on_a_table());
     assert_eq!(analysis.movement.scale().plane, SpacingPlane::Patient);
     assert!(analysis.models.is_empty());
-    let differ =
-        analysis.warnings.all().iter().find(|w| w.code == WarningCode::SpacingPlanesDiffer);
-    assert!(differ.expect("warned").message.contains("pixels count as millimetres of a spine of"));
-    let warning = analysis.warnings.all().iter().find(|w| w.code == WarningCode::NoScale);
-    assert_eq!(warning.and_then(|w| w.posture), Some(Posture::Traction));
+    let differ = warned(&analysis, WarningCode::SpacingPlanesDiffer, None);
+    assert!(differ.message.contains("pixels count as millimetres of a spine of"));
+    warned(&analysis, WarningCode::NoScale, Some(Posture::Traction));
 }
 
 #[test]
@@ -342,7 +340,7 @@ fn a_gap_in_a_stitched_film_is_reported_between_two_vertebrae() {
         landmark.corners = landmark.corners.map(|p| Pixel::new(p.column_px, p.row_px + lower));
     }
     let analysis = analyzed(&case, &on_a_table());
-    let warning = analysis.warnings.all().iter().find(|w| w.code == WarningCode::SpacingUnusual);
-    let warning = warning.expect("the gap is twice the usual distance");
-    assert_eq!((warning.posture, warning.level), (Some(Posture::Erect), Some(Level::T9)));
+    // The gap is twice the usual distance.
+    let warning = warned(&analysis, WarningCode::SpacingUnusual, Some(Posture::Erect));
+    assert_eq!(warning.level, Some(Level::T9));
 }

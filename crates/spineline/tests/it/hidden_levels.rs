@@ -15,7 +15,7 @@ use spineline_phantom::{Readers, Scenario};
 
 use crate::common::{
     analyzed, assert_near, exact_case, film_mut, landmarks, landmarks_mut, measured, on_a_table,
-    phantom,
+    phantom, replicated, warned,
 };
 use crate::properties::mirrored;
 
@@ -230,9 +230,7 @@ fn a_top_hidden_on_one_film_shortens_the_model_of_all() {
     let found = analyzed(&partial, &on_a_table());
     let levels = found.movement.levels();
     assert_eq!((levels.base(), levels.top(), levels.len()), (Level::L4, Level::T4, 13));
-    let warning =
-        found.warnings.all().iter().find(|warning| warning.code == WarningCode::TopMissing);
-    let text = warning.expect("the consequence is said").text();
+    let text = warned(&found, WarningCode::TopMissing, None).text();
     assert!(text.contains("right bending") && !text.contains("left"), "{text}");
     assert!(text.contains("T3, T2") && text.contains("T4, which carries the force"), "{text}");
     // Oracle: L4's frame is the same one, and so is every vertebra in it.
@@ -381,9 +379,7 @@ fn replicates_carry_the_uncertainty_of_an_interpolated_vertebra() {
     let nominal = analyzed(&case, &on_a_table());
     let monte_carlo =
         MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(0.01), 1).expect("a noise");
-    let mut tally = monte_carlo.tally();
-    (0..40).for_each(|index| tally.add(&monte_carlo.replicate(index)));
-    let found = tally.finish(40);
+    let found = replicated(&monte_carlo, 40);
     let sd = |posture, level| {
         let quantity = QuantityKind::Tilt.on(posture).at(level);
         found.spread(quantity).expect("a tilt has a spread").sd

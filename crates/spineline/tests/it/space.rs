@@ -15,7 +15,7 @@ use spineline_phantom::{
     EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, generate_in_space,
 };
 
-use crate::common::{Draw, assert_near, read_axial};
+use crate::common::{self, Draw, assert_near, read_axial};
 
 const HABITS: [EndplateHabit; 2] = [EndplateHabit::Rim, EndplateHabit::MiddleLine];
 
@@ -270,9 +270,7 @@ fn replicated() -> (Analysis, Uncertainty) {
     let nominal = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
     let monte_carlo = MonteCarlo::new(&phantom.case, &nominal, LandmarkNoise::Measured, 1);
     let monte_carlo = monte_carlo.expect("sound noise");
-    let mut tally = monte_carlo.tally();
-    (0..150).for_each(|index| tally.add(&monte_carlo.replicate(index)));
-    let found = tally.finish(150);
+    let found = common::replicated(&monte_carlo, 150);
     (nominal, found)
 }
 

@@ -13,8 +13,10 @@ use spineline::uncertainty::{
 };
 use spineline_phantom::{Readers, Scenario, generate};
 
+use crate::common::{phantom, replicated};
+
 fn case(subject: usize, scenario: Scenario, readers: &Readers) -> Case {
-    generate(subject, scenario, readers, 1).expect("a subject of Table 1").case
+    phantom(subject, scenario, readers).case
 }
 
 /// The erect film alone: fast, and enough for what is measured on it.
@@ -29,19 +31,13 @@ fn analyzed(case: &Case) -> Analysis {
 
 fn run(case: &Case, noise: LandmarkNoise, seed: u64, count: u64) -> Uncertainty {
     let nominal = analyzed(case);
-    told(&MonteCarlo::new(case, &nominal, noise, seed).expect("sound noise"), count)
+    replicated(&MonteCarlo::new(case, &nominal, noise, seed).expect("sound noise"), count)
 }
 
 fn run_anew(case: &Case, noise: LandmarkNoise, seed: u64, count: u64) -> Uncertainty {
     let nominal = analyzed(case);
     let monte_carlo = MonteCarlo::new(case, &nominal, noise, seed).expect("sound noise");
-    told(&monte_carlo.searching_anew(), count)
-}
-
-fn told(monte_carlo: &MonteCarlo<'_>, count: u64) -> Uncertainty {
-    let mut tally = monte_carlo.tally();
-    (0..count).for_each(|index| tally.add(&monte_carlo.replicate(index)));
-    tally.finish(count)
+    replicated(&monte_carlo.searching_anew(), count)
 }
 
 #[test]
@@ -366,9 +362,7 @@ fn inflections_absent_in_some_replicates_are_counted() {
     let nominal = analyze(&case, &options).expect("a sound case");
     let monte_carlo =
         MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(3.0), 1).expect("sound noise");
-    let mut tally = monte_carlo.tally();
-    (0..200).for_each(|index| tally.add(&monte_carlo.replicate(index)));
-    let found = tally.finish(200);
+    let found = replicated(&monte_carlo, 200);
     let share = found.spread(QuantityKind::InflectionPair.of_case()).expect("always told").mean;
     assert!((0.1..0.9).contains(&share), "{share}");
     let caudal = QuantityKind::InflectionY.of_case().at_end(0);

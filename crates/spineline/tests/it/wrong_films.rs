@@ -1,12 +1,12 @@
 //! Films that show another posture or another patient than they are named after.
 
 use crate::common::{
-    Draw, analyzed, exact_case, film_mut, landmarks, mirrored, move_landmarks, on_a_table,
+    Draw, analyzed, exact_case, film_mut, landmarks, mirrored, mistake_sides, move_landmarks,
+    on_a_table, warned,
 };
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient};
-use spineline::measure::IliacCrests;
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::{Severity, WarningCode};
 
@@ -71,10 +71,7 @@ fn a_bend_with_the_erect_films_landmarks_is_not_evidence() {
         for case in both_ways(&case) {
             let analysis = analyzed(&case, &on_a_table());
             assert_eq!(doubts(&analysis), [(WarningCode::BendKeepsShape, Some(bend))]);
-            let mut warnings = analysis.warnings.all().iter();
-            let warning =
-                warnings.find(|one| one.code == WarningCode::BendKeepsShape).expect("seen above");
-            assert_eq!(warning.code.severity(), Severity::Contradiction);
+            assert_eq!(WarningCode::BendKeepsShape.severity(), Severity::Contradiction);
             let verdict = verdict(&analysis);
             assert!(verdict.contains(&format!("The {bend} film may be wrong")), "{verdict}");
             assert!(verdict.contains("no result of this patient is evidence"), "{verdict}");
@@ -93,9 +90,8 @@ fn a_film_that_a_person_compared_with_the_records_is_not_in_doubt() {
     let analysis = analyzed(&case, &on_a_table());
     assert!(!analysis.has_doubted_film());
     assert!(!verdict(&analysis).contains("no result of this patient is evidence"));
-    let mut notes = analysis.warnings.all().iter();
-    let note = notes.find(|one| one.code == WarningCode::FilmChecked).expect("a note");
-    assert_eq!((note.code.severity(), note.posture), (Severity::Note, Some(Posture::LeftBending)));
+    let note = warned(&analysis, WarningCode::FilmChecked, Some(Posture::LeftBending));
+    assert_eq!(note.code.severity(), Severity::Note);
     assert!(note.message.contains("is not in doubt: "), "{}", note.message);
     // Another film stays in doubt.
     copy_landmarks(&mut case, Posture::Erect, Posture::RightBending, 4.0);
@@ -109,15 +105,12 @@ fn a_bend_with_the_mirrored_erect_film_is_reported() {
     let from = erect.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
     film_mut(&mut case, Posture::RightBending).landmarks = from.landmarks.clone();
     // The picture is mirrored without notice: the sides and the side of the picture come from the other film.
-    let (image, crests, readings) = landmarks(film_mut(&mut case, Posture::RightBending));
-    image.patient_left = image.patient_left.opposite();
+    let film = film_mut(&mut case, Posture::RightBending);
+    mistake_sides(film);
+    let (_, _, readings) = landmarks(film);
     for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
         landmark.axis_clockwise = None;
-        let corners = &mut landmark.corners;
-        std::mem::swap(&mut corners.superior_left, &mut corners.superior_right);
-        std::mem::swap(&mut corners.inferior_left, &mut corners.inferior_right);
     }
-    *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
     for case in both_ways(&case) {
         let analysis = analyzed(&case, &on_a_table());
         assert_eq!(doubts(&analysis), [(WarningCode::BendKeepsShape, Some(Posture::RightBending))]);

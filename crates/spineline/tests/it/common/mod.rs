@@ -6,6 +6,8 @@ pub mod elastica;
 pub mod everything;
 pub mod independent;
 
+use std::mem::swap;
+
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, PediclePlace, Posture, Region, SagittalProfile};
@@ -18,7 +20,8 @@ use spineline::measure::{
 };
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline::warning::Warnings;
+use spineline::uncertainty::{MonteCarlo, Uncertainty};
+use spineline::warning::{Warning, WarningCode, Warnings};
 use spineline_phantom::{Phantom, Readers, Scenario, TrueBody, generate};
 
 /// A small generator of numbers, so that "random" inputs are the same on every machine (xorshift64*).
@@ -109,6 +112,23 @@ pub fn film_mut(case: &mut Case, posture: Posture) -> &mut Film {
     case.films.iter_mut().find(|film| film.posture == posture).expect("the case has this film")
 }
 
+/// The warning of a code, about a film where one is given.
+#[track_caller]
+pub fn warned(analysis: &Analysis, code: WarningCode, posture: Option<Posture>) -> &Warning {
+    let mut all = analysis.warnings.all().iter();
+    let found = all.find(|w| w.code == code && (posture.is_none() || w.posture == posture));
+    let warning = found.unwrap_or_else(|| panic!("no {code:?} in {:?}", analysis.warnings.all()));
+    assert!(!warning.message.is_empty());
+    warning
+}
+
+/// Replicates from the first to a number of them, one after the other.
+pub fn replicated(monte_carlo: &MonteCarlo<'_>, count: u64) -> Uncertainty {
+    let mut tally = monte_carlo.tally();
+    (0..count).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    tally.finish(count)
+}
+
 /// The parts of a film with landmarks.
 pub fn landmarks(
     film: &mut Film,
@@ -146,6 +166,18 @@ pub fn mirrored(case: &Case) -> Case {
             crests.map(|crests| IliacCrests { left: flip(crests.left), right: flip(crests.right) });
     }
     case
+}
+
+/// The film as someone sees it who takes the picture for its mirror image, corners and all.
+pub fn mistake_sides(film: &mut Film) {
+    let (image, crests, readings) = landmarks(film);
+    image.patient_left = image.patient_left.opposite();
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        let corners = &mut landmark.corners;
+        swap(&mut corners.superior_left, &mut corners.superior_right);
+        swap(&mut corners.inferior_left, &mut corners.inferior_right);
+    }
+    *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
 }
 
 /// Moves every landmark of a film in the plane of the film; axes turned by hand turn with them.
