@@ -89,7 +89,7 @@ impl ModelSource {
         let options = AnalysisOptions { hypotheses: Vec::new(), ..request.options };
         let analysis = analyze(case, &options)?;
         let kind = model.model.line;
-        let found = analysis.models.iter().find(|found| found.kind == kind);
+        let found = analysis.model(kind);
         let found = found.ok_or(ModelSourceError::NoModel { line: kind.key() })?;
         match difference(&model.model, &analysis.personalised_model(found)) {
             Some(what) => Err(ModelSourceError::Differs { what }),

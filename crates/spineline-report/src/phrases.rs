@@ -1,7 +1,7 @@
 //! Phrases that reports of patients and of cohorts share.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmMovement, FilmRole, FreeNumbers};
+use spineline::analysis::{Analysis, FilmRole, FreeNumbers};
 
 pub use spineline::number::none;
 use spineline::number::{fixed, interval};
@@ -52,10 +52,9 @@ pub fn no_model_reason(analysis: &Analysis) -> String {
     if let Some(films) = films_without_scale(analysis) {
         return format!("films without a scale ({films})");
     }
-    let is_bend = |posture: &FilmMovement| posture.outline.posture.bend().is_some();
-    let reason = match analysis.movement.films.iter().any(is_bend) {
-        false => "no bending film",
-        true => "no line of action on any bend",
+    let reason = match analysis.movement.bends().next() {
+        None => "no bending film",
+        Some(_) => "no line of action on any bend",
     };
     reason.to_owned()
 }

@@ -25,7 +25,7 @@ fn search(criterion: &mut Criterion) {
         [(Scenario::Pull, LineKind::Iliac), (Scenario::Rod, LineKind::Inflection)]
     {
         let analysis = common::analyzed(0, scenario, Support::Frontal);
-        let model = analysis.models.iter().find(|m| m.kind == kind).expect("every line");
+        let model = analysis.model(kind).expect("every line");
         let groups = JointGroups::regional(&analysis.movement.regions);
         let statics = Statics::new(
             &analysis.movement.spine,

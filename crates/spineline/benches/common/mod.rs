@@ -32,7 +32,7 @@ pub fn analyzed(subject: usize, scenario: Scenario, support: Support) -> Analysi
 
 /// Loads along one kind of line on both bends, as the analysis found them.
 pub fn bending_loads(analysis: &Analysis, kind: LineKind) -> Vec<Load> {
-    let model = analysis.models.iter().find(|model| model.kind == kind).expect("every line");
+    let model = analysis.model(kind).expect("every line");
     let fitted = model.simulations.iter().filter(|simulation| simulation.fitted);
     fitted.map(|simulation| Load::along(simulation.line, simulation.depth_mm)).collect()
 }

@@ -20,6 +20,11 @@ impl Analysis {
         self.models.iter().find(|model| model.kind == kind)
     }
 
+    /// The models with the lines that are not fitted to the films, so that bends can test them.
+    pub(crate) fn testable_models(&self) -> impl Iterator<Item = &LineModel> {
+        self.models.iter().filter(|model| model.kind != LineKind::Estimated)
+    }
+
     /// The entry of a line's model in a list with one entry per model.
     #[must_use]
     pub fn entry_of<'a, T>(&self, kind: LineKind, all: &'a [Option<T>]) -> Option<&'a T> {

@@ -105,13 +105,7 @@ impl Analysis {
     /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: only its force is free, and
     /// brings T2 to its place.
     fn leave_bends_out(&self) -> Vec<LeftOutBend> {
-        let bends: Vec<Posture> = self
-            .movement
-            .films
-            .iter()
-            .map(|p| p.outline.posture)
-            .filter(|posture| posture.bend().is_some())
-            .collect();
+        let bends: Vec<Posture> = self.movement.bends().map(|film| film.outline.posture).collect();
         if bends.len() < 2 {
             return Vec::new();
         }

@@ -44,9 +44,8 @@ impl Analysis {
 
     /// Which of the lines that are not fitted to the films the bends reject and keep, and which they do not test.
     fn lines_headline(&self) -> Option<String> {
-        let candidates = self.models.iter().filter(|model| model.kind != LineKind::Estimated);
-        let found: Vec<(TestOutcome, &LineModel)> =
-            candidates.map(|model| (self.compatibility(model).outcome(), model)).collect();
+        let outcome = |model| (self.compatibility(model).outcome(), model);
+        let found: Vec<(TestOutcome, &LineModel)> = self.testable_models().map(outcome).collect();
         let of = |outcome| {
             let lines = found.iter().filter(|(one, _)| *one == outcome);
             listed(&lines.map(|(_, model)| format!("the {}", model.kind)).collect::<Vec<_>>())

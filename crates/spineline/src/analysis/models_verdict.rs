@@ -38,9 +38,8 @@ impl Analysis {
             .map(|model| (model.kind, self.compatibility(model).outcome()))
             .collect();
         let is_rejected = |kind: LineKind| outcomes.contains(&(kind, TestOutcome::Rejected));
-        let mut candidates =
-            outcomes.iter().map(|(kind, _)| *kind).filter(|kind| *kind != LineKind::Estimated);
-        if outcomes.iter().any(|(kind, _)| is_rejected(*kind)) && candidates.all(is_rejected) {
+        let mut testable = self.testable_models().map(|model| model.kind);
+        if outcomes.iter().any(|(kind, _)| is_rejected(*kind)) && testable.all(is_rejected) {
             return Some(ModelsVerdict::Rejected);
         }
         let predicts_better = compared.ranking().is_some_and(|ranking| {

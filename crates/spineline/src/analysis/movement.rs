@@ -194,7 +194,7 @@ impl Movement {
     }
 
     /// The bending films.
-    pub(super) fn bends(&self) -> impl Iterator<Item = &FilmMovement> {
+    pub fn bends(&self) -> impl Iterator<Item = &FilmMovement> {
         self.films.iter().filter(|film| film.outline.posture.bend().is_some())
     }
 

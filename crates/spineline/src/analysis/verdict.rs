@@ -57,7 +57,7 @@ impl Analysis {
         if !self.models.iter().any(|model| model.kind == LineKind::Inflection) {
             sentences.push(self.no_inflection_line());
         }
-        for model in self.models.iter().filter(|model| model.kind != LineKind::Estimated) {
+        for model in self.testable_models() {
             sentences.extend(self.line_verdict(model));
         }
         let keeps_shape = |posture| {

@@ -59,8 +59,7 @@ impl PatientClaims {
         let erect = analysis.movement.erect();
         let has_line = |film: &&FilmMovement| film.inflection_estimates.is_some();
         let with_line: Vec<_> = analysis.movement.films.iter().filter(has_line).collect();
-        let is_bend = |film: &&FilmMovement| film.outline.posture.bend().is_some();
-        let bends = analysis.movement.films.iter().filter(is_bend);
+        let bends = analysis.movement.bends();
         let windows = least_windows(&erect.fit, &erect.pose);
         let chance = windows.map(|(from, to)| {
             ((2 * NEAR_SEGMENTS + 1) as f64 / (to.saturating_sub(from) + 1) as f64).min(1.0)

@@ -152,8 +152,9 @@ impl CohortPatient {
         let (missing, errors) = under_lines(compared, &analysis.models);
         let erect = &movement.films[0].outline;
         let moved = movement.films[1..].iter().map(|film| &film.outline);
-        let tested =
-            candidates(analysis).map(|model| (model.kind, analysis.compatibility(model).outcome()));
+        let tested = analysis
+            .testable_models()
+            .map(|model| (model.kind, analysis.compatibility(model).outcome()));
         Self {
             case_id: analysis.case_id.as_str().into(),
             synthetic: analysis.synthetic,
@@ -352,20 +353,14 @@ fn rotations_deg(analysis: &Analysis) -> Vec<f64> {
     motions.flat_map(|motion| motion.rotations.iter().map(|rotation| rotation.deg())).collect()
 }
 
-/// The lines of a patient that are not fitted to the films, and so can be tested.
-fn candidates(analysis: &Analysis) -> impl Iterator<Item = &LineModel> {
-    analysis.models.iter().filter(|model| model.kind != LineKind::Estimated)
-}
-
 fn tested_bends(analysis: &Analysis) -> Box<[(LineKind, TestOutcome)]> {
-    let bends = analysis.movement.films.iter().filter(|film| film.outline.posture.bend().is_some());
     let of_bend = |film: &FilmMovement| {
         let p_value = |kind| film.line_comparison(kind).map(|found| found.test.p_value);
-        let tested =
-            candidates(analysis).map(|model| (model.kind, TestOutcome::of(p_value(model.kind))));
+        let models = analysis.testable_models();
+        let tested = models.map(|model| (model.kind, TestOutcome::of(p_value(model.kind))));
         tested.collect::<Vec<_>>()
     };
-    bends.flat_map(of_bend).collect()
+    analysis.movement.bends().flat_map(of_bend).collect()
 }
 
 impl PatientFilm {

@@ -27,7 +27,7 @@ use crate::multibody::{FittedSprings, MarchedFilm};
 /// let case = generate(0, Scenario::Rod, &Readers::exact(), 1)?.case;
 /// let movement = analyze_movement(&case, &AnalysisOptions::default())?.movement;
 /// let mut films = Vec::new();
-/// for posture in movement.films.iter().filter(|p| p.outline.posture.bend().is_some()) {
+/// for posture in movement.bends() {
 ///     let [caudal, cranial] = posture.inflection_points.ok_or("no two inflections")?;
 ///     let line = LineOfAction::through(caudal, cranial)?;
 ///     let evidence = posture.evidence.as_ref().ok_or("no joint rotations")?;

@@ -93,8 +93,9 @@ impl<'a> MonteCarlo<'a> {
         noise: LandmarkNoise,
         seed: u64,
     ) -> Result<Self, UncertaintyError> {
-        let bends = nominal.movement.films.iter().any(|p| p.outline.posture.bend().is_some());
-        let has_models = bends && nominal.movement.film_without_scale().is_none();
+        let movement = &nominal.movement;
+        let has_models =
+            movement.bends().next().is_some() && movement.film_without_scale().is_none();
         let kinds = if has_models { nominal.options.line_kinds() } else { Vec::new() };
         Ok(Self {
             nominal,

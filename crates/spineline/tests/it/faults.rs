@@ -406,7 +406,7 @@ fn a_line_given_for_one_bend_is_fitted_to_that_bend() {
     let line = spineline::action::LineOfAction::leaning(Frontal::new(30.0, 150.0), Angle::ZERO);
     let given_lines = vec![(Posture::LeftBending, line)];
     let analysis = analyzed(&exact_case(0), &AnalysisOptions { given_lines, ..on_a_table() });
-    let model = analysis.models.iter().find(|m| m.kind == LineKind::Given).expect("a given line");
+    let model = analysis.model(LineKind::Given).expect("a given line");
     assert_eq!(model.simulations.len(), 1);
     warned(&analysis, WarningCode::NoLine, Some(Posture::RightBending));
 }

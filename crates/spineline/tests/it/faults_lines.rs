@@ -22,8 +22,7 @@ fn with_line(line: LineOfAction) -> Analysis {
 
 /// The simulation of the left bend under its given line.
 fn simulation(analysis: &Analysis) -> &Simulation {
-    let model = analysis.models.iter().find(|model| model.kind == LineKind::Given);
-    let model = model.expect("a model of the given line");
+    let model = analysis.model(LineKind::Given).expect("a model of the given line");
     model.simulation(Posture::LeftBending).expect("the bend that has the line")
 }
 

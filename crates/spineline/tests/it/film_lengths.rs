@@ -65,8 +65,8 @@ fn the_scale_of_a_film_is_found_and_taken_out() {
         assert!(without > with + 2.0, "{role}: {without} and {with} mm");
     }
     let multipliers = |analysis: &Analysis| -> Vec<f64> {
-        let model = analysis.models.iter().find(|model| model.kind == LineKind::Iliac);
-        model.expect("an iliac line").fit.log_multipliers.clone()
+        let model = analysis.model(LineKind::Iliac).expect("an iliac line");
+        model.fit.log_multipliers.clone()
     };
     for (own, exact) in multipliers(&found).iter().zip(multipliers(&truth)) {
         assert_near(*own, exact, 0.05, "ln multiplier");
@@ -113,7 +113,7 @@ fn predicted_vertebrae_give_no_scale() {
     }
     let of = |case: &Case| {
         let analysis = analyzed(case, &on_a_table());
-        let model = analysis.models.iter().find(|model| model.kind == LineKind::Iliac);
+        let model = analysis.model(LineKind::Iliac);
         let neutral = model.expect("an iliac line").simulation(Posture::Neutral).cloned();
         neutral.expect("a neutral film")
     };

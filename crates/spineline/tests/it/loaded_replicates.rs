@@ -55,7 +55,7 @@ fn loads(loading: &Loading, goal: Goal) -> AppliedLoads<'_> {
 
 /// The model of an analysis under loads, step by step.
 fn response(analysis: &Analysis, loads: &AppliedLoads<'_>) -> Response {
-    let model = analysis.models.iter().find(|model| model.kind == loads.kind).expect("a model");
+    let model = analysis.model(loads.kind).expect("a model");
     let springs = model.stiffness_matrices(&analysis.movement.library);
     let limit = usual_limit(&analysis.movement.spine, &springs, loads.loading, loads.goal);
     let statics =

@@ -66,7 +66,7 @@ const MIRROR_POSTURE: [(Posture, Posture); 5] = [
 ];
 
 fn model(analysis: &Analysis, kind: LineKind) -> &LineModel {
-    analysis.models.iter().find(|model| model.kind == kind).expect("every line")
+    analysis.model(kind).expect("every line")
 }
 
 /// Whether a fit meets its films within three standard deviations: of a location or tilt, or of a Ferguson angle (0.5°).
