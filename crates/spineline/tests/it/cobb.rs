@@ -1,6 +1,8 @@
 //! Cobb angles between endplates, against closed forms and against the corners of films themselves.
 
-use crate::common::{analyzed, exact_case, film_mut, landmarks_mut, on_a_table, phantom};
+use crate::common::{
+    analyzed, exact_case, film_mut, landmarks_mut, mistake_sides, on_a_table, other_side, phantom,
+};
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::{Level, Posture, Region, Side};
 use spineline::clinical::{ClinicalCurve, CobbEnds, EndChoice, EndRule};
@@ -63,25 +65,9 @@ fn a_mirrored_film_has_the_same_cobb_angle_to_the_other_side() {
     let case = exact_case(0);
     let mut mirrored = case.clone();
     for film in &mut mirrored.films {
-        film.posture = match film.posture {
-            Posture::LeftBending => Posture::RightBending,
-            Posture::RightBending => Posture::LeftBending,
-            same => same,
-        };
-        let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("corners") };
+        film.posture = other_side(film.posture);
         // The same picture of a patient who turned about: left becomes right.
-        image.patient_left = image.patient_left.opposite();
-        let FilmLandmarks::Corners { readings, iliac_crests, .. } = &mut film.landmarks else {
-            panic!("corners")
-        };
-        for landmark in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
-            let c = &mut landmark.corners;
-            std::mem::swap(&mut c.superior_left, &mut c.superior_right);
-            std::mem::swap(&mut c.inferior_left, &mut c.inferior_right);
-        }
-        if let Some(crests) = iliac_crests {
-            std::mem::swap(&mut crests.left, &mut crests.right);
-        }
+        mistake_sides(film);
     }
     let [here, there] = [&case, &mirrored].map(|case| analyzed(case, &on_a_table()));
     for (a, b) in here.movement.clinical.iter().zip(&there.movement.clinical) {

@@ -3,8 +3,8 @@
 use std::mem::swap;
 
 use crate::common::{
-    analyzed, case_of, exact_case, film_mut, graph_film, landmarks, mistake_sides, on_a_table,
-    refused, spacing, warned,
+    analyzed, case_of, exact_case, film_mut, graph_film, landmarks, mistake_sides, move_places,
+    on_a_table, other_side, refused, spacing, turn_axes, warned,
 };
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
@@ -13,7 +13,7 @@ use spineline::chain::{Chain, ChainError, SEGMENT_WINDOW};
 use spineline::curve::{CurveError, InflectionChoice, OrderRule, Site};
 use spineline::error::{CaseError, Error};
 use spineline::measure::{IliacCrests, MeasureFault};
-use spineline::spatial::{Angle, Frontal};
+use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::{Step, WarningCode};
 
 fn kinds(analysis: &Analysis) -> Vec<LineKind> {
@@ -44,11 +44,7 @@ fn swapped_bends_are_refused_with_both_lateral_tilts() {
     // Oracle: a left bend leans to the left of a right bend.
     let mut case = exact_case(0);
     for film in &mut case.films {
-        film.posture = match film.posture {
-            Posture::LeftBending => Posture::RightBending,
-            Posture::RightBending => Posture::LeftBending,
-            same => same,
-        };
+        film.posture = other_side(film.posture);
     }
     let error = refused(&case);
     assert_eq!(error.step(), Step::Measure);
@@ -218,17 +214,11 @@ fn a_film_upside_down_is_measured_like_any_other() {
     // Oracle: the same film turned by half a turn; angles near 180° must not average to 0°.
     let case = exact_case(0);
     let mut turned = case.clone();
-    let (image, crests, readings) = landmarks(film_mut(&mut turned, Posture::Erect));
+    let film = film_mut(&mut turned, Posture::Erect);
+    let (image, ..) = landmarks(film);
     let (columns, rows) = (f64::from(image.columns) - 1.0, f64::from(image.rows) - 1.0);
-    let turn = |p: spineline::spatial::Pixel| {
-        spineline::spatial::Pixel::new(columns - p.column_px, rows - p.row_px)
-    };
-    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        landmark.corners = landmark.corners.map(turn);
-        landmark.axis_clockwise =
-            landmark.axis_clockwise.map(|axis| (axis + Angle::from_deg(180.0)).wrapped());
-    }
-    *crests = crests.map(|c| IliacCrests { left: turn(c.left), right: turn(c.right) });
+    move_places(film, |p| Pixel::new(columns - p.column_px, rows - p.row_px));
+    turn_axes(film, |axis| (axis + Angle::from_deg(180.0)).wrapped());
     // Half a turn carries the patient's left to the other side of the picture and back: corners keep their names.
     let (a, b) = (analyzed(&case, &on_a_table()), analyzed(&turned, &on_a_table()));
     for (x, y) in

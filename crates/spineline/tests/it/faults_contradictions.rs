@@ -1,7 +1,8 @@
 //! Films and landmarks that contradict themselves.
 
 use crate::common::{
-    analyzed, exact_case, film_mut, landmarks, landmarks_mut, mirrored, on_a_table, refused,
+    all_landmarks, analyzed, exact_case, film_mut, landmarks, landmarks_mut, mirrored, move_places,
+    on_a_table, refused, spacing,
 };
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
@@ -17,23 +18,10 @@ fn variants() -> [Case; 3] {
     let plain = exact_case(0);
     let mut oblong = plain.clone();
     for film in &mut oblong.films {
-        let (image, crests, readings) = landmarks(film);
-        let squeeze = |place: Pixel| Pixel::new(place.column_px, 0.5 * place.row_px);
-        if let Some(spacing) = &mut image.spacing {
-            spacing.row_mm *= 2.0;
-        }
-        change(readings, squeeze);
-        if let Some(crests) = crests {
-            (crests.left, crests.right) = (squeeze(crests.left), squeeze(crests.right));
-        }
+        spacing(landmarks(film).0).row_mm *= 2.0;
+        move_places(film, |place| Pixel::new(place.column_px, 0.5 * place.row_px));
     }
     [plain.clone(), mirrored(&plain), oblong]
-}
-
-fn change(readings: &mut [Reading<VertebraLandmarks>], to: impl Fn(Pixel) -> Pixel) {
-    for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
-        landmark.corners = landmark.corners.map(&to);
-    }
 }
 
 /// Codes of the warnings of a sound case about one vertebra of one film.
@@ -67,9 +55,11 @@ fn one_reading_among_others_that_stands_on_two_films_makes_them_one() {
 #[test]
 fn exchanged_columns_and_rows_are_named() {
     for mut case in variants() {
-        let (image, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+        let film = film_mut(&mut case, Posture::Erect);
         // On the film as it is, and on one that holds the exchanged landmarks too.
-        change(readings, |place| Pixel::new(place.row_px, place.column_px));
+        let exchanged = |place: Pixel| Pixel::new(place.row_px, place.column_px);
+        all_landmarks(film).for_each(|landmark| landmark.corners = landmark.corners.map(exchanged));
+        let (image, ..) = landmarks(film);
         let side = image.columns.max(image.rows);
         assert_eq!(refused(&case).code(), "axes_exchanged");
         let (image, ..) = landmarks(film_mut(&mut case, Posture::Erect));

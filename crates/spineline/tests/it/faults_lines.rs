@@ -2,8 +2,8 @@
 //! results that rounding must not move.
 
 use crate::common::{
-    analyzed, assert_near, case_of, exact_case, film_mut, graph_film, landmarks, on_a_table,
-    placement_film, refused, warned,
+    all_landmarks, analyzed, assert_near, case_of, exact_case, film_mut, graph_film, landmarks,
+    on_a_table, placement_film, refused, warned,
 };
 use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
@@ -175,9 +175,7 @@ fn f47_rounding_of_inputs_changes_results_within_tolerance_only() {
     let plain = analyzed(&exact_case(1), &options);
     let mut case = exact_case(1);
     for film in &mut case.films {
-        let (_, _, readings) = landmarks(film);
-        for (i, landmark) in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()).enumerate()
-        {
+        for (i, landmark) in all_landmarks(film).enumerate() {
             let part = if i % 2 == 0 { 1.0 + f64::EPSILON } else { 1.0 - f64::EPSILON };
             landmark.corners = landmark.corners.map(|mut corner| {
                 corner.column_px *= part;

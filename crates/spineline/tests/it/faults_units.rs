@@ -1,6 +1,6 @@
 //! Lengths, tilts and fractions in other units than they should be, and scales that no patient fits.
 
-use crate::common::{exact_case, film_mut, graph_film, landmarks, refused, spacing};
+use crate::common::{all_landmarks, exact_case, film_mut, graph_film, landmarks, refused, spacing};
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::error::Error;
@@ -187,10 +187,10 @@ fn a_stated_shape_of_pixels_gives_the_angles_of_the_same_film_in_millimetres() {
     let wanted = measure_film(&at_spacing(1.0, 1.0), TiltRule::default(), &mut Warnings::default())
         .expect("sound");
     let mut film = at_spacing(1.0, 1.0);
-    let (image, _, readings) = landmarks(&mut film);
+    let (image, ..) = landmarks(&mut film);
     image.rows *= 2;
     image.spacing = Some(Spacing::of_aspect(0.5, SpacingSource::PixelAspect));
-    for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+    for landmark in all_landmarks(&mut film) {
         landmark.corners = landmark.corners.map(|c| Pixel::new(c.column_px, 2.0 * c.row_px));
     }
     let mut warnings = Warnings::default();

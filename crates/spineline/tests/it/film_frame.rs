@@ -1,6 +1,6 @@
 //! Points of the global frame on their film: there and back, and where the marks are.
 
-use crate::common::{landmarks, measured, phantom};
+use crate::common::{all_landmarks, landmarks, measured, phantom};
 use proptest::prelude::*;
 use spineline::analysis::{AnalysisOptions, MultiplierEnding, analyze};
 use spineline::anatomy::{Level, Posture};
@@ -20,7 +20,7 @@ fn film(subject: usize, readers: &Readers, spacing: Option<(f64, f64)>, flip: bo
     let case = phantom(subject, Scenario::Bend, readers).case;
     let mut film =
         case.films.into_iter().find(|film| film.posture == Posture::Erect).expect("erect");
-    let (image, crests, readings) = landmarks(&mut film);
+    let (image, crests, _) = landmarks(&mut film);
     let old = image.spacing.expect("phantoms have a spacing");
     let (column_mm, row_mm) = spacing.unwrap_or((0.15, 0.15));
     let scale = [old.column_mm / column_mm, old.row_mm / row_mm];
@@ -36,7 +36,7 @@ fn film(subject: usize, readers: &Readers, spacing: Option<(f64, f64)>, flip: bo
         image.patient_left = image.patient_left.opposite();
     }
     *crests = None;
-    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+    for landmark in all_landmarks(&mut film) {
         landmark.corners = landmark.corners.map(moved);
         landmark.axis_clockwise = None;
     }

@@ -16,7 +16,7 @@ use spineline::spatial::{Angle, Vec3};
 use spineline::uncertainty::{AppliedLoads, LandmarkNoise, LoadedUncertainty, MonteCarlo, Spread};
 use spineline_phantom::{Readers, Scenario};
 
-use crate::common::{assert_near, landmarks, phantom};
+use crate::common::{all_landmarks, assert_near, phantom};
 
 /// Place of the uppermost vertebra in the model.
 const TOP: usize = 14;
@@ -28,9 +28,7 @@ fn two_films() -> Case {
     let mut case = phantom(2, Scenario::Rod, &Readers::exact()).case;
     case.films.retain(|film| matches!(film.posture, Posture::Erect | Posture::LeftBending));
     for film in &mut case.films {
-        let (_, _, readings) = landmarks(film);
-        let bodies = readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut());
-        bodies.for_each(|body| body.axis_clockwise = None);
+        all_landmarks(film).for_each(|body| body.axis_clockwise = None);
     }
     case
 }

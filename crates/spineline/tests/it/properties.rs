@@ -1,14 +1,14 @@
 //! What must not change, or change in a known way, when films are mirrored, moved, scaled, or read in another order.
 
 use crate::common::{
-    self, analyzed, assert_near, case_of, landmarks, measured, move_landmarks, on_a_table, phantom,
-    placement_film, spacing,
+    self, analyzed, assert_near, case_of, landmarks, measured, mirror, mistake_sides,
+    move_landmarks, move_places, on_a_table, other_side, phantom, placement_film, spacing,
 };
 use proptest::prelude::*;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, LineModel};
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::{Film, IliacCrests};
+use spineline::measure::Film;
 use spineline::personalize::{FitStatus, FitTarget};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline_phantom::{Readers, Scenario};
@@ -36,24 +36,9 @@ fn options(ferguson: bool) -> AnalysisOptions {
 /// The film of the patient's mirror image: the picture is flipped, the patient's sides change their names.
 pub fn mirrored(film: &Film) -> Film {
     let mut film = film.clone();
-    film.posture = match film.posture {
-        Posture::LeftBending => Posture::RightBending,
-        Posture::RightBending => Posture::LeftBending,
-        same => same,
-    };
-    let (image, crests, readings) = landmarks(&mut film);
-    let last = f64::from(image.columns - 1);
-    let flip = |place: Pixel| Pixel::new(last - place.column_px, place.row_px);
-    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        let seen = landmark.corners.map(flip);
-        landmark.corners.superior_left = seen.superior_right;
-        landmark.corners.superior_right = seen.superior_left;
-        landmark.corners.inferior_left = seen.inferior_right;
-        landmark.corners.inferior_right = seen.inferior_left;
-        landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
-    }
-    *crests =
-        crests.map(|crests| IliacCrests { left: flip(crests.right), right: flip(crests.left) });
+    film.posture = other_side(film.posture);
+    mirror(&mut film);
+    mistake_sides(&mut film);
     film
 }
 
@@ -292,14 +277,10 @@ proptest! {
         let case = phantom(subject, Scenario::Bend, &Readers::exact()).case;
         let mut stretched = case.clone();
         for film in &mut stretched.films {
-            let (image, crests, readings) = landmarks(film);
+            let (image, ..) = landmarks(film);
             spacing(image).row_mm *= factor;
             image.rows = (f64::from(image.rows) / factor).ceil() as u32 + 1;
-            let stretch = |p: Pixel| Pixel::new(p.column_px, p.row_px / factor);
-            for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-                landmark.corners = landmark.corners.map(stretch);
-            }
-            *crests = crests.map(|c| IliacCrests { left: stretch(c.left), right: stretch(c.right) });
+            move_places(film, |p| Pixel::new(p.column_px, p.row_px / factor));
         }
         for (film, other) in case.films.iter().zip(&stretched.films) {
             let (a, b) = (measured(film), measured(other));

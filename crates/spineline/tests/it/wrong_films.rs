@@ -1,8 +1,8 @@
 //! Films that show another posture or another patient than they are named after.
 
 use crate::common::{
-    Draw, analyzed, exact_case, film_mut, landmarks, mirrored, mistake_sides, move_landmarks,
-    on_a_table, warned,
+    Draw, all_landmarks, analyzed, exact_case, film_mut, landmarks, mirrored, mistake_sides,
+    move_landmarks, on_a_table, warned,
 };
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::Posture;
@@ -41,8 +41,7 @@ fn copy_landmarks(case: &mut Case, from: Posture, to: Posture, by_px: f64) {
     let film = film_mut(case, to);
     film.landmarks = copied;
     let mut draw = Draw::new(7);
-    let (_, _, readings) = landmarks(film);
-    for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+    for landmark in all_landmarks(film) {
         landmark.axis_clockwise = None;
         let moved = landmark.corners.points().map(|place| {
             let mut moved = || draw.between(-by_px, by_px);
@@ -107,10 +106,7 @@ fn a_bend_with_the_mirrored_erect_film_is_reported() {
     // The picture is mirrored without notice: the sides and the side of the picture come from the other film.
     let film = film_mut(&mut case, Posture::RightBending);
     mistake_sides(film);
-    let (_, _, readings) = landmarks(film);
-    for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
-        landmark.axis_clockwise = None;
-    }
+    all_landmarks(film).for_each(|landmark| landmark.axis_clockwise = None);
     for case in both_ways(&case) {
         let analysis = analyzed(&case, &on_a_table());
         assert_eq!(doubts(&analysis), [(WarningCode::BendKeepsShape, Some(Posture::RightBending))]);
@@ -153,8 +149,7 @@ fn bodies_of_another_shape_are_reported_and_another_magnification_is_not() {
     for posture in Posture::MOVED {
         let shaped = |height: f64, width: f64| {
             let mut case = exact_case(0);
-            let (_, _, readings) = landmarks(film_mut(&mut case, posture));
-            for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
+            for landmark in all_landmarks(film_mut(&mut case, posture)) {
                 let points = landmark.corners.points();
                 let mean = |of: fn(&Pixel) -> f64| points.iter().map(of).sum::<f64>() / 4.0;
                 let middle = Pixel::new(mean(|p| p.column_px), mean(|p| p.row_px));

@@ -150,41 +150,67 @@ pub fn landmarks_mut(case: &mut Case, posture: Posture, level: Level) -> &mut Ve
     readings[0].vertebrae.get_mut(&level).expect("phantoms mark every vertebra")
 }
 
-/// All pictures seen from the other side, with the patient's left where it is then.
+/// All landmarks of all readings of a film.
+pub fn all_landmarks(film: &mut Film) -> impl Iterator<Item = &mut VertebraLandmarks> {
+    let (_, _, readings) = landmarks(film);
+    readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut())
+}
+
+/// Takes the corners and crests of a film to other places of its picture.
+pub fn move_places(film: &mut Film, to: impl Fn(Pixel) -> Pixel) {
+    all_landmarks(film).for_each(|landmark| landmark.corners = landmark.corners.map(&to));
+    let (_, crests, _) = landmarks(film);
+    *crests = crests.map(|crests| IliacCrests { left: to(crests.left), right: to(crests.right) });
+}
+
+/// Turns the axes of a film that were set by hand.
+pub fn turn_axes(film: &mut Film, to: impl Fn(Angle) -> Angle) {
+    all_landmarks(film)
+        .for_each(|landmark| landmark.axis_clockwise = landmark.axis_clockwise.map(&to));
+}
+
+/// Shows a film from the other side, with the patient's left where it is then.
+pub fn mirror(film: &mut Film) {
+    let (image, ..) = landmarks(film);
+    let last = f64::from(image.columns) - 1.0;
+    image.patient_left = image.patient_left.opposite();
+    move_places(film, |place| Pixel::new(last - place.column_px, place.row_px));
+    turn_axes(film, |axis| -axis);
+}
+
+/// All pictures seen from the other side.
 pub fn mirrored(case: &Case) -> Case {
     let mut case = case.clone();
-    for film in &mut case.films {
-        let (image, crests, readings) = landmarks(film);
-        let last = f64::from(image.columns) - 1.0;
-        let flip = |place: Pixel| Pixel::new(last - place.column_px, place.row_px);
-        image.patient_left = image.patient_left.opposite();
-        for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
-            landmark.corners = landmark.corners.map(flip);
-            landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
-        }
-        *crests =
-            crests.map(|crests| IliacCrests { left: flip(crests.left), right: flip(crests.right) });
-    }
+    case.films.iter_mut().for_each(mirror);
     case
 }
 
 /// The film as someone sees it who takes the picture for its mirror image, corners and all.
 pub fn mistake_sides(film: &mut Film) {
-    let (image, crests, readings) = landmarks(film);
-    image.patient_left = image.patient_left.opposite();
-    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+    for landmark in all_landmarks(film) {
         let corners = &mut landmark.corners;
         swap(&mut corners.superior_left, &mut corners.superior_right);
         swap(&mut corners.inferior_left, &mut corners.inferior_right);
     }
+    let (image, crests, _) = landmarks(film);
+    image.patient_left = image.patient_left.opposite();
     *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
+}
+
+/// The same posture of the patient's mirror image.
+pub fn other_side(posture: Posture) -> Posture {
+    match posture {
+        Posture::LeftBending => Posture::RightBending,
+        Posture::RightBending => Posture::LeftBending,
+        same => same,
+    }
 }
 
 /// Moves every landmark of a film in the plane of the film; axes turned by hand turn with them.
 ///
 /// The picture is made large enough, and the landmarks are shifted into its middle.
 pub fn move_landmarks(film: &mut Film, turn: Angle, shift: Frontal) {
-    let (image, crests, readings) = landmarks(film);
+    let (image, ..) = landmarks(film);
     let old = *image;
     // A quarter of the largest film on each side.
     const MARGIN_MM: f64 = 900.0;
@@ -197,16 +223,8 @@ pub fn move_landmarks(film: &mut Film, turn: Angle, shift: Frontal) {
         old.frontal(Pixel::new(columns, 0.0)).y_mm,
         old.frontal(Pixel::new(0.0, rows)).z_mm,
     );
-    let moved = |place: Pixel| old.pixel(old.frontal(place).rotated(turn) + shift + middle);
-    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-        landmark.corners = landmark.corners.map(moved);
-        landmark.axis_clockwise = landmark
-            .axis_clockwise
-            .map(|axis| old.tilt_from_clockwise(old.tilt_from_clockwise(axis) + turn));
-    }
-    if let Some(crests) = crests {
-        *crests = IliacCrests { left: moved(crests.left), right: moved(crests.right) };
-    }
+    move_places(film, |place| old.pixel(old.frontal(place).rotated(turn) + shift + middle));
+    turn_axes(film, |axis| old.tilt_from_clockwise(old.tilt_from_clockwise(axis) + turn));
 }
 
 /// A film from another program: locations and tilts.
