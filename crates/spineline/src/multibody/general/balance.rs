@@ -103,6 +103,11 @@ impl State {
         }
     }
 
+    /// The pose of a vertebra.
+    pub(super) fn pose(&self, vertebra: usize) -> Pose<'_> {
+        Pose { midpoint_mm: &self.midpoints[vertebra], axes: &self.axes[vertebra] }
+    }
+
     /// The vertebrae as they are.
     pub(super) fn deformed(&self) -> Deformed {
         Deformed {
@@ -197,8 +202,8 @@ impl Balance<'_> {
         state.load_tangents.fill(None);
         for item in &self.loading.items {
             let v = item.vertebra;
-            let pose = Pose { midpoint_mm: &state.midpoints[v], axes: &state.axes[v] };
-            let load = item.load.wrench(&pose, factors.of(item.timing), self.model, v);
+            let factor = factors.of(item.timing);
+            let load = item.load.wrench(&state.pose(v), factor, self.model, v);
             state.loads[v].0 += load.wrench;
             if item.timing == factors.varies {
                 state.loads[v].1 += load.rate;

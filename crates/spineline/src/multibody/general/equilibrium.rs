@@ -72,10 +72,9 @@ impl Equilibrium {
         let springs = balance.loading.items.iter().enumerate();
         let spring_forces_n = springs
             .filter_map(|(number, item)| {
-                let v = item.vertebra;
-                let point = state.midpoints[v] + state.axes[v] * item.load.spring_point_mm()?;
-                let factor = factors.of(item.timing);
-                Some((number, item.load.spring(&point, factor, balance.model, v)?.force_n))
+                let (v, factor) = (item.vertebra, factors.of(item.timing));
+                let spring = item.load.spring(&state.pose(v), factor, balance.model, v)?;
+                Some((number, spring.force_n))
             })
             .collect();
         let rods = balance.loading.rods.iter().zip(&state.reactions);

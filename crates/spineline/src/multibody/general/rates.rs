@@ -1,7 +1,7 @@
 use super::balance::Factors;
 use super::loading::{LoadItem, Loading, Timing};
 use super::solver::{GeneralStatics, NewtonWork};
-use super::wrench::{Pose, Spatial, first, second};
+use super::wrench::{Spatial, first, second};
 use crate::multibody::Solution;
 use crate::spatial::{Mat3, Vec3};
 
@@ -58,8 +58,8 @@ impl GeneralStatics<'_> {
                     let mut loads = vec![Spatial::zeros(); vertebrae];
                     for item in *items {
                         let v = item.vertebra;
-                        let pose = Pose { midpoint_mm: &state.midpoints[v], axes: &state.axes[v] };
-                        loads[v] += item.load.wrench(&pose, 1.0, balance.model, v).wrench;
+                        let load = item.load.wrench(&state.pose(v), 1.0, balance.model, v);
+                        loads[v] += load.wrench;
                     }
                     let mut above = Spatial::zeros();
                     let mut moments = vec![Vec3::zeros(); vertebrae - 1];

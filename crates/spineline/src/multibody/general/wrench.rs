@@ -20,14 +20,17 @@ pub(super) fn second(spatial: &Spatial) -> Vec3 {
     Vec3::new(spatial[3], spatial[4], spatial[5])
 }
 
-fn skew(v: &Vec3) -> Mat3 {
-    v.cross_matrix()
-}
-
 /// A vertebra's pose.
 pub(super) struct Pose<'a> {
     pub midpoint_mm: &'a Vec3,
     pub axes: &'a Mat3,
+}
+
+impl Pose<'_> {
+    /// Where a point of the vertebra lies.
+    fn place(&self, in_vertebra_mm: &Vec3) -> Vec3 {
+        self.midpoint_mm + self.axes * in_vertebra_mm
+    }
 }
 
 /// What a load does to its vertebra as it is.
@@ -56,11 +59,11 @@ impl PointForce {
     fn into_wrench(self) -> LoadWrench {
         let Self { point, force, rate, by_turn, by_place } = self;
         // The point's velocity is v - [p] ω.
-        let lever = skew(&point);
+        let lever = point.cross_matrix();
         let mut force_by_turn = by_turn.unwrap_or_else(Mat3::zeros);
         let force_by_place = by_place.unwrap_or_else(Mat3::zeros);
         force_by_turn -= force_by_place * lever;
-        let pulled = skew(&force);
+        let pulled = force.cross_matrix();
         let mut tangent = SpatialMatrix::zeros();
         let moment_by_turn = pulled * lever + lever * force_by_turn;
         let moment_by_velocity = lever * force_by_place - pulled;
@@ -85,7 +88,6 @@ impl BodyLoad {
         model: &SpineModel,
         vertebra: usize,
     ) -> LoadWrench {
-        let place = |in_vertebra: &Vec3| pose.midpoint_mm + pose.axes * in_vertebra;
         match self {
             Self::ForceOnLine { force_n, point_mm } => {
                 let unit = spatial(&point_mm.cross(force_n), force_n);
@@ -96,7 +98,7 @@ impl BodyLoad {
                 LoadWrench { wrench: unit * factor, rate: unit, tangent: None }
             }
             Self::ForceAtPoint { force_n, point_in_vertebra_mm } => PointForce {
-                point: place(point_in_vertebra_mm),
+                point: pose.place(point_in_vertebra_mm),
                 force: force_n * factor,
                 rate: *force_n,
                 by_turn: None,
@@ -107,10 +109,10 @@ impl BodyLoad {
                 let unit = pose.axes * force_in_vertebra_n;
                 let force = unit * factor;
                 PointForce {
-                    point: place(point_in_vertebra_mm),
+                    point: pose.place(point_in_vertebra_mm),
                     force,
                     rate: unit,
-                    by_turn: Some(-skew(&force)),
+                    by_turn: Some(-force.cross_matrix()),
                     by_place: None,
                 }
                 .into_wrench()
@@ -118,15 +120,14 @@ impl BodyLoad {
             Self::FollowerMoment { moment_in_vertebra_nmm } => {
                 let unit = pose.axes * moment_in_vertebra_nmm;
                 let mut tangent = SpatialMatrix::zeros();
-                tangent.fixed_view_mut::<3, 3>(0, 0).copy_from(&-skew(&(unit * factor)));
+                tangent.fixed_view_mut::<3, 3>(0, 0).copy_from(&-(unit * factor).cross_matrix());
                 let unit = spatial(&unit, &Vec3::zeros());
                 LoadWrench { wrench: unit * factor, rate: unit, tangent: Some(tangent) }
             }
-            Self::Pad { point_in_vertebra_mm, .. } | Self::Strap { point_in_vertebra_mm, .. } => {
-                let point = place(point_in_vertebra_mm);
-                let spring = self.spring(&point, factor, model, vertebra).expect("a spring");
+            Self::Pad { .. } | Self::Strap { .. } => {
+                let spring = self.spring(pose, factor, model, vertebra).expect("a spring");
                 PointForce {
-                    point,
+                    point: spring.point,
                     force: spring.direction * spring.force_n,
                     rate: spring.direction * spring.rate_n,
                     by_turn: None,
@@ -137,41 +138,32 @@ impl BodyLoad {
         }
     }
 
-    /// Where a spring to ground acts on its vertebra, in its axes; `None` for other loads.
-    pub(super) const fn spring_point_mm(&self) -> Option<&Vec3> {
-        match self {
-            Self::Pad { point_in_vertebra_mm, .. } | Self::Strap { point_in_vertebra_mm, .. } => {
-                Some(point_in_vertebra_mm)
-            }
-            Self::ForceOnLine { .. }
-            | Self::ForceAtPoint { .. }
-            | Self::FollowerForce { .. }
-            | Self::Moment { .. }
-            | Self::FollowerMoment { .. } => None,
-        }
-    }
-
-    /// The force of a spring to ground whose point is at a place; a pad that pulls or a strap that pushes is negative. `None` for
-    /// other loads.
+    /// The force of a spring to ground on a vertebra in a pose; a pad that pulls or a strap that pushes is negative. `None` for other
+    /// loads.
     pub(super) fn spring(
         &self,
-        point: &Vec3,
+        pose: &Pose<'_>,
         factor: f64,
         model: &SpineModel,
         vertebra: usize,
     ) -> Option<SpringForce> {
-        let erect = erect_place_mm(model, vertebra, self.spring_point_mm()?);
+        let ends = |in_vertebra_mm: &Vec3| {
+            (pose.place(in_vertebra_mm), erect_place_mm(model, vertebra, in_vertebra_mm))
+        };
         Some(match self {
-            Self::Pad { direction, n_per_mm, advance_mm, .. } => {
+            Self::Pad { point_in_vertebra_mm, direction, n_per_mm, advance_mm } => {
+                let (point, erect) = ends(point_in_vertebra_mm);
                 let pressed_mm = factor * advance_mm - (point - erect).dot(direction);
                 SpringForce {
+                    point,
                     direction: *direction,
                     force_n: n_per_mm * pressed_mm,
                     rate_n: n_per_mm * advance_mm,
                     stiffness: direction * direction.transpose() * *n_per_mm,
                 }
             }
-            Self::Strap { anchor_mm, n_per_mm, shortening_mm, .. } => {
+            Self::Strap { point_in_vertebra_mm, anchor_mm, n_per_mm, shortening_mm } => {
+                let (point, erect) = ends(point_in_vertebra_mm);
                 let reach = anchor_mm - point;
                 let length_mm = reach.norm().max(f64::MIN_POSITIVE);
                 let direction = reach / length_mm;
@@ -179,6 +171,7 @@ impl BodyLoad {
                 let force_n = n_per_mm * stretch_mm;
                 let along = direction * direction.transpose();
                 SpringForce {
+                    point,
                     direction,
                     force_n,
                     rate_n: n_per_mm * shortening_mm,
@@ -197,6 +190,8 @@ impl BodyLoad {
 
 /// A spring to ground at work.
 pub(super) struct SpringForce {
+    /// Where it acts.
+    pub point: Vec3,
     /// The way a positive force acts on the vertebra.
     pub direction: Vec3,
     pub force_n: f64,
