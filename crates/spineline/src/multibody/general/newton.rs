@@ -70,7 +70,8 @@ pub(super) enum NewtonEnding {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Newton {
     pub state: State,
-    elimination: Elimination,
+    /// The tangent that was eliminated last.
+    pub elimination: Elimination,
     border: Border,
     /// Answers of the hinges: to the residual, to the factor, to each component of each rod's reaction.
     answers: Vec<Vec<Vec3>>,
@@ -132,16 +133,6 @@ impl Newton {
             }
         }
         failed(MAX_ITERATIONS, residual_rad)
-    }
-
-    /// Eliminates the tangent of the state; `false` if a pivot is not finite.
-    pub(super) fn factor(&mut self, balance: &Balance<'_>) -> bool {
-        self.elimination.factor(balance, &self.state)
-    }
-
-    /// Turns of the hinges that answer given moments about them, by the tangent that was eliminated last.
-    pub(super) fn answer(&mut self, moments: impl Fn(usize) -> Vec3, turns: &mut [Vec3]) {
-        self.elimination.solve(moments, turns);
     }
 
     /// One step; its largest turn, or NaN.

@@ -31,7 +31,7 @@ impl GeneralStatics<'_> {
         solution: &mut Solution,
     ) {
         let balance = self.balance(loading);
-        let newton = work.newton_mut();
+        let NewtonWork(newton) = work;
         let factors = Factors { constant: 1.0, proportional: 1.0, varies: Timing::Proportional };
         balance.evaluate(&factors, &mut newton.state);
         solution.deformed = newton.state.deformed();
@@ -40,7 +40,7 @@ impl GeneralStatics<'_> {
             rates.resize_with(parameters.len(), || vec![Vec3::zeros(); vertebrae]);
         }
         solution.residual_mm = 0.0;
-        solution.converged = newton.factor(&balance);
+        solution.converged = newton.elimination.factor(&balance, &newton.state);
         if !solution.converged {
             return;
         }
@@ -70,8 +70,7 @@ impl GeneralStatics<'_> {
                     moments
                 }
             };
-            newton.answer(|j| moments[j], &mut turns);
-            let state = &newton.state;
+            newton.elimination.solve(|j| moments[j], &mut turns);
             let mut twist = Spatial::zeros();
             for (j, turn) in turns.iter().enumerate() {
                 twist += state.twists[j] * turn;

@@ -78,13 +78,9 @@ pub struct NearbyReport {
 
 /// Newton's buffers for one spine under one loading: made once, used for many starts and factors.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NewtonWork(Newton);
+pub struct NewtonWork(pub(super) Newton);
 
 impl NewtonWork {
-    pub(super) fn newton_mut(&mut self) -> &mut Newton {
-        &mut self.0
-    }
-
     /// Hinge angles, in and out.
     pub fn hinges_mut(&mut self) -> &mut [Vec3] {
         &mut self.0.state.hinges
