@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
 
+use crate::anatomy::Level;
 use crate::measure::bodies::crossing_sd;
-use crate::measure::lateral::LateralVertebra;
+use crate::measure::lateral::{LateralOutline, LateralVertebra};
 use crate::spatial::{Angle, Frontal};
 
 /// How a lateral film lies to the frontal film of the same posture.
@@ -59,15 +60,19 @@ impl HeightPlane {
     }
 }
 
-/// The height of a vertebra on the frontal film, and its place on the lateral one.
+/// The height of a vertebra on the frontal film, and its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct HeightPair {
-    pub height_mm: f64,
-    pub lateral: Frontal,
-    /// Of the height on the frontal film.
+pub(super) struct FrontalHeight {
+    pub mm: f64,
     pub sd_mm: f64,
-    /// Of a coordinate on the lateral film, in its own unit, or in mm where that is assumed.
-    pub lateral_sd: LateralSd,
+}
+
+/// A vertebra on both films.
+struct HeightPair {
+    frontal: FrontalHeight,
+    lateral: Frontal,
+    /// Of the height on the lateral film.
+    lateral_sd: LateralSd,
 }
 
 /// Deviation of a coordinate on the lateral film.
@@ -78,6 +83,11 @@ pub(super) enum LateralSd {
 }
 
 impl LateralSd {
+    /// Of a corner as readings show it; where nothing was read twice, it is assumed, in millimetres.
+    pub fn of(lateral: &LateralOutline, assumed_mm: f64) -> Self {
+        lateral.corner_sd.map_or(Self::Millimetres(assumed_mm), Self::Film)
+    }
+
     /// Of the height of the crossing of a body's diagonals, from its corners.
     pub fn upwards(self, body: &LateralVertebra) -> Self {
         let upwards = |corner_sd: f64| crossing_sd(corner_sd, body.depth, body.height)[1];
@@ -96,20 +106,6 @@ impl LateralSd {
     }
 }
 
-/// What is to be estimated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Exposure {
-    pub simultaneous: bool,
-    /// Whether both films have millimetres.
-    pub has_scale: bool,
-}
-
-impl Exposure {
-    const fn scale_is_known(self) -> bool {
-        self.simultaneous && self.has_scale
-    }
-}
-
 /// Least squares over the heights.
 struct Fit {
     scale: f64,
@@ -124,20 +120,37 @@ impl FilmAlignment {
     /// Standard deviation of the turn before the films are compared (assumption): films hang upright to within a few degrees.
     pub const TURN_SD: Angle = Angle::from_deg(2.0);
 
-    /// From at least two vertebrae at different heights; `None` where they give no scale.
-    pub(super) fn estimate(pairs: &[HeightPair], exposure: Exposure) -> Option<Self> {
-        let start = first_scale(pairs)?;
-        let scale = if exposure.scale_is_known() { 1.0 } else { start };
-        let first = fit(pairs, exposure, scale, 1.0)?;
+    /// Of a lateral film whose corners have this deviation, to a frontal film on which vertebrae have these heights; `frontal_has_scale`
+    /// says whether they are millimetres. `None` unless both films show two vertebrae at different heights.
+    pub(super) fn of(
+        lateral: &LateralOutline,
+        corner: LateralSd,
+        frontal_has_scale: bool,
+        height: impl Fn(Level) -> Option<FrontalHeight>,
+    ) -> Option<Self> {
+        let pair = |side: &LateralVertebra| {
+            let frontal = height(side.level)?;
+            Some(HeightPair { frontal, lateral: side.location, lateral_sd: corner.upwards(side) })
+        };
+        let pairs: Vec<HeightPair> = lateral.vertebrae.iter().filter_map(pair).collect();
+        let start = first_scale(&pairs)?;
+        let simultaneous = lateral.simultaneous;
+        let columns = match (simultaneous, frontal_has_scale && lateral.has_spacing) {
+            (true, true) => 1,
+            (true, false) => 2,
+            (false, _) => 3,
+        };
+        let scale = if columns == 1 { 1.0 } else { start };
+        let first = fit(&pairs, columns, scale, 1.0)?;
         // Differences beyond the noise are taken as further noise.
-        let estimated = if exposure.simultaneous { 1 } else { 3 };
+        let estimated = if simultaneous { 1 } else { 3 };
         let freedom = pairs.len().saturating_sub(estimated).max(1) as f64;
         let squares = first.residuals_mm.iter().zip(&first.sds_mm);
         let excess = (squares.map(|(r, sd)| (r / sd).powi(2)).sum::<f64>() / freedom).max(1.0);
-        let found = fit(pairs, exposure, first.scale, excess.sqrt())?;
+        let found = fit(&pairs, columns, first.scale, excess.sqrt())?;
         let mean_square = |all: &[f64]| all.iter().map(|mm| mm * mm).sum::<f64>();
         Some(Self {
-            simultaneous: exposure.simultaneous,
+            simultaneous,
             scale: found.scale,
             turn: Angle::from_rad(found.turn),
             covariance: found.covariance,
@@ -187,31 +200,25 @@ impl FilmAlignment {
 /// From the highest and the lowest vertebra.
 fn first_scale(pairs: &[HeightPair]) -> Option<f64> {
     let (first, last) = (pairs.first()?, pairs.last()?);
-    let scale = (last.height_mm - first.height_mm) / (last.lateral.z_mm - first.lateral.z_mm);
+    let scale = (last.frontal.mm - first.frontal.mm) / (last.lateral.z_mm - first.lateral.z_mm);
     (pairs.len() > 1 && scale.is_finite() && scale > 0.0).then_some(scale)
 }
 
-/// Weighted by the noise times `excess`.
-fn fit(pairs: &[HeightPair], exposure: Exposure, scale: f64, excess: f64) -> Option<Fit> {
+/// Weighted by the noise times `excess`. Columns: the height as such, up and to the front; a known scale leaves the first one free.
+fn fit(pairs: &[HeightPair], columns: usize, scale: f64, excess: f64) -> Option<Fit> {
     let n = pairs.len();
     let sds_mm: Vec<f64> =
-        pairs.iter().map(|pair| pair.sd_mm.hypot(pair.lateral_sd.mm(scale))).collect();
+        pairs.iter().map(|pair| pair.frontal.sd_mm.hypot(pair.lateral_sd.mm(scale))).collect();
     let mean = |of: &dyn Fn(&HeightPair) -> f64| pairs.iter().map(of).sum::<f64>() / n as f64;
     let middle = Frontal::new(mean(&|p| p.lateral.y_mm), mean(&|p| p.lateral.z_mm));
-    let middle_mm = mean(&|p| p.height_mm);
-    // Columns: the height as such, up and to the front. A known scale leaves the first one free.
-    let columns = match exposure {
-        known if known.scale_is_known() => 1,
-        together if together.simultaneous => 2,
-        _ => 3,
-    };
+    let middle_mm = mean(&|p| p.frontal.mm);
     let mut rows = DMatrix::zeros(n + 1, columns);
     let mut right = DVector::zeros(n + 1);
     for (i, (pair, sd_mm)) in pairs.iter().zip(&sds_mm).enumerate() {
         let lateral = pair.lateral - middle;
         let all = [1.0, lateral.z_mm, lateral.y_mm];
         let known_mm = if columns == 1 { scale * lateral.z_mm } else { 0.0 };
-        right[i] = (pair.height_mm - middle_mm - known_mm) / (sd_mm * excess);
+        right[i] = (pair.frontal.mm - middle_mm - known_mm) / (sd_mm * excess);
         for (column, value) in all.into_iter().take(columns).enumerate() {
             rows[(i, column)] = value / (sd_mm * excess);
         }

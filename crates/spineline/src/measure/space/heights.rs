@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::alignment::{Exposure, FilmAlignment, HeightPair, LateralSd};
+use super::alignment::{FilmAlignment, FrontalHeight, LateralSd};
 use super::marks::mean_shape;
 use crate::anatomy::{Level, Morphometry};
 use crate::measure::bodies::{ReadBodies, corner_sd, crossing_sd};
@@ -46,12 +46,6 @@ pub struct SharedHeights {
     pub vertebrae: usize,
 }
 
-/// The midpoint of a vertebra on the erect film, and the standard deviation of its height, in the unit of that film.
-struct ErectMark {
-    location: Frontal,
-    sd: f64,
-}
-
 impl SharedHeights {
     /// Of two films; `None` where fewer than two vertebrae are marked on both, or the erect film has no corners.
     ///
@@ -63,31 +57,20 @@ impl SharedHeights {
         let assumed = assumed_corner_sd(image, &bodies);
         let marks = erect_marks(erect, &bodies, corner_sd(&bodies).unwrap_or(assumed))?;
         let seen = lateral.measure(&mut Warnings::default())?;
-        let corner = seen.corner_sd.map_or(LateralSd::Millimetres(assumed), LateralSd::Film);
-        let pairs: Vec<HeightPair> = seen
-            .vertebrae
-            .iter()
-            .filter_map(|side| {
-                let mark = marks.get(&side.level)?;
-                Some(HeightPair {
-                    height_mm: mark.location.z_mm,
-                    lateral: side.location,
-                    sd_mm: mark.sd,
-                    lateral_sd: corner.upwards(side),
-                })
-            })
-            .collect();
-        let has_scale = image.scale().is_some() && lateral.image.scale().is_some();
-        let exposure = Exposure { simultaneous: lateral.simultaneous, has_scale };
-        let Some(alignment) = FilmAlignment::estimate(&pairs, exposure) else { return Ok(None) };
+        let corner = LateralSd::of(&seen, assumed);
+        let height = |level: Level| marks.get(&level).copied();
+        let has_scale = image.scale().is_some();
+        let Some(alignment) = FilmAlignment::of(&seen, corner, has_scale, height) else {
+            return Ok(None);
+        };
         let on_erect = |side: &LateralVertebra| row(image, &alignment, side, corner);
-        let on_lateral = |(level, mark): (&Level, &ErectMark)| {
+        let on_lateral = |(level, mark): (&Level, &FrontalHeight)| {
             line_on_lateral(lateral, &alignment, *level, mark)
         };
         Ok(Some(Self {
             on_erect: seen.vertebrae.iter().map(on_erect).collect(),
             on_lateral: marks.iter().map(on_lateral).collect(),
-            vertebrae: pairs.len(),
+            vertebrae: alignment.vertebrae,
         }))
     }
 }
@@ -105,17 +88,18 @@ fn assumed_corner_sd(image: &ImageGeometry, bodies: &[ReadBodies<'_>]) -> f64 {
     one_mm * sizes.iter().sum::<f64>() / sizes.len().max(1) as f64
 }
 
+/// Heights of the vertebrae of the erect film, in the unit of that film.
 fn erect_marks(
     erect: &Film,
     bodies: &[ReadBodies<'_>],
     corner_sd: f64,
-) -> Result<BTreeMap<Level, ErectMark>, MeasureError> {
+) -> Result<BTreeMap<Level, FrontalHeight>, MeasureError> {
     let readings = measure_readings(erect, TiltRule::Axis)?;
     let placed: Vec<_> = readings.into_iter().map(|reading| reading.vertebrae).collect();
     let marks = average(&placed).into_iter().filter_map(|(level, (placement, _))| {
         let [width, height] = mean_shape(bodies, level)?;
-        let [_, sd] = crossing_sd(corner_sd, width, height);
-        Some((level, ErectMark { location: placement.location, sd }))
+        let [_, sd_mm] = crossing_sd(corner_sd, width, height);
+        Some((level, FrontalHeight { mm: placement.location.z_mm, sd_mm }))
     });
     Ok(marks.collect())
 }
@@ -141,17 +125,17 @@ fn line_on_lateral(
     lateral: &LateralFilm,
     alignment: &FilmAlignment,
     level: Level,
-    mark: &ErectMark,
+    mark: &FrontalHeight,
 ) -> HeightLine {
     let image = &lateral.image;
     let at = |column_px: f64| {
         let front = image.frontal(Pixel::new(column_px, 0.0)).y_mm;
-        alignment.place_at(mark.location.z_mm, front)
+        alignment.place_at(mark.mm, front)
     };
     let last = f64::from(image.columns.saturating_sub(1));
     let ends = [0.0, last].map(|column_px| image.pixel(at(column_px).0));
     let (_, alignment_sd) = at(0.5 * last);
-    let sd = alignment_sd.hypot(mark.sd / alignment.scale);
+    let sd = alignment_sd.hypot(mark.sd_mm / alignment.scale);
     HeightLine { level, ends, sd_px: sd / row_size(image) }
 }
 

@@ -16,7 +16,7 @@ use crate::anatomy::{Level, Levels, SagittalProfile};
 use crate::number::{fixed, with_sd};
 use crate::spatial::{Angle, Orientation, Vec3};
 use crate::warning::{WarningCode, Warnings};
-use alignment::{Exposure, HeightPair, LateralSd};
+use alignment::{FrontalHeight, LateralSd};
 use marks::{FrontalMark, frontal_marks};
 
 /// One vertebra that the frontal and the lateral film show.
@@ -112,27 +112,21 @@ impl SpatialOutline {
         lateral: &LateralOutline,
     ) -> Result<Option<Self>, MeasureError> {
         let marks = frontal_marks(film, outline)?;
+        let height = |level: Level| {
+            let mark = marks.get(&level)?;
+            Some(FrontalHeight { mm: mark.location_mm.z_mm, sd_mm: mark.location_sd_mm[1] })
+        };
+        let corner = LateralSd::of(lateral, Noise::ONE_READING.corner_mm());
+        let has_scale = outline.scale.has_millimetres();
+        let Some(alignment) = FilmAlignment::of(lateral, corner, has_scale, height) else {
+            return Ok(None);
+        };
+        let corner_sd_mm = corner.mm(alignment.scale);
         let both: Vec<(FrontalMark, LateralVertebra)> = lateral
             .vertebrae
             .iter()
             .filter_map(|side| Some((*marks.get(&side.level)?, *side)))
             .collect();
-        let corner = lateral
-            .corner_sd
-            .map_or(LateralSd::Millimetres(Noise::ONE_READING.corner_mm()), LateralSd::Film);
-        let has_scale = lateral.has_spacing && outline.scale.has_millimetres();
-        let exposure = Exposure { simultaneous: lateral.simultaneous, has_scale };
-        let pairs: Vec<HeightPair> = both
-            .iter()
-            .map(|(mark, side)| HeightPair {
-                height_mm: mark.location_mm.z_mm,
-                lateral: side.location,
-                sd_mm: mark.location_sd_mm[1],
-                lateral_sd: corner.upwards(side),
-            })
-            .collect();
-        let Some(alignment) = FilmAlignment::estimate(&pairs, exposure) else { return Ok(None) };
-        let corner_sd_mm = corner.mm(alignment.scale);
         let Some(origin) = both.first().copied() else { return Ok(None) };
         let vertebra = |(mark, side): &(FrontalMark, LateralVertebra)| {
             let lateral_pitch = side.pitch - alignment.turn;
