@@ -4,7 +4,6 @@ use crate::common::{analyzed, exact_case, film_mut, landmarks, move_landmarks, o
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{Balance, SacralReference, sacral_line_offset_mm};
-use spineline::measure::FilmLandmarks;
 use spineline::spatial::{Angle, Frontal};
 
 /// Places are computed from pixels in doubles.
@@ -79,10 +78,8 @@ fn a_turned_film_turns_every_tilt_against_the_horizontal() {
 fn without_crests_the_line_runs_through_the_lowest_vertebra_and_no_obliquity_is_given() {
     let mut case = exact_case(0);
     for film in &mut case.films {
-        let FilmLandmarks::Corners { iliac_crests, .. } = &mut film.landmarks else {
-            panic!("phantoms have corners")
-        };
-        *iliac_crests = None;
+        let (_, crests, _) = landmarks(film);
+        *crests = None;
     }
     let analysis = analyzed(&case, &on_a_table());
     let found = analysis.movement.balance.as_ref().expect("a vertical");

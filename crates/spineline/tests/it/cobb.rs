@@ -1,7 +1,8 @@
 //! Cobb angles between endplates, against closed forms and against the corners of films themselves.
 
 use crate::common::{
-    analyzed, exact_case, film_mut, landmarks_mut, mistake_sides, on_a_table, other_side, phantom,
+    analyzed, exact_case, film_mut, landmarks, landmarks_mut, mistake_sides, on_a_table,
+    other_side, phantom,
 };
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::{Level, Posture, Region, Side};
@@ -139,7 +140,7 @@ fn without_corners_there_is_a_tilt_range_and_no_cobb_angle() {
     for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
         let outline = &analysis.movement.film(posture).expect("measured").outline;
         let film = film_mut(&mut placed, posture);
-        let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("corners") };
+        let (_, _, readings) = landmarks(film);
         let id = readings[0].id.clone();
         let vertebrae = outline.vertebrae.iter();
         let vertebrae = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();

@@ -1,16 +1,15 @@
 //! Landmarks that a program found: their confidences are noted, low ones are warnings, and no number changes.
 
-use crate::common::{analyzed, exact_case, film_mut, landmarks_mut, refused};
+use crate::common::{analyzed, exact_case, film_mut, landmarks, landmarks_mut, refused};
 use spineline::analysis::AnalysisOptions;
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::{Corners, FilmLandmarks};
+use spineline::measure::Corners;
 use spineline::warning::{Severity, WarningCode};
 
 #[test]
 fn low_confidences_are_warnings_and_all_of_them_are_noted() {
     let mut case = exact_case(0);
-    let film = film_mut(&mut case, Posture::Erect);
-    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { panic!("corners") };
+    let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
     for (&level, landmark) in &mut readings[0].vertebrae {
         let inferior_left = if level == Level::T5 { 0.31 } else { 0.95 };
         landmark.confidence = Some(Corners {

@@ -5,9 +5,7 @@ use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::Baseline;
-use spineline::measure::{
-    Film, FilmLandmarks, MeasureFault, MeasuredVertebra, TiltRule, measure_film,
-};
+use spineline::measure::{Film, MeasureFault, MeasuredVertebra, TiltRule, measure_film};
 use spineline::multibody::PathEnding;
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::{WarningCode, Warnings};
@@ -20,9 +18,7 @@ use crate::common::{
 use crate::properties::mirrored;
 
 fn hide(film: &mut Film, hidden: impl Fn(Level) -> bool) {
-    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
-        panic!("phantoms have corners")
-    };
+    let (_, _, readings) = landmarks(film);
     for reading in readings {
         reading.vertebrae.retain(|level, _| !hidden(*level));
     }

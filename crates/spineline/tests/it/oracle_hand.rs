@@ -1,5 +1,6 @@
 //! Statics that can be checked by hand, and equilibrium as virtual work.
 
+use crate::common::chain::straight;
 use crate::common::independent::{Body, add, apply, product, stack, subtract, transposed};
 use crate::common::{Draw, assert_near, spine};
 use spineline::action::LineOfAction;
@@ -7,23 +8,12 @@ use spineline::anatomy::Levels;
 use spineline::multibody::{
     JointGroups, Load, Parameter, Solution, SpineModel, Statics, StiffnessLibrary, Support, Wrench,
 };
-use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
+use spineline::spatial::{Angle, Frontal, Vec3};
 
 /// A handful of products of numbers of order one to a hundred.
 const ROUNDING: f64 = 1e-12;
 /// Central differences with a step of the cube root of eps, relative to the largest moment.
 const DIFFERENCE: f64 = 1e-6;
-
-/// An upright planar chain: midpoints on the z axis, joint centres between them.
-fn chain(midpoints_z_mm: &[f64], centres_z_mm: &[f64]) -> SpineModel {
-    let midpoints = midpoints_z_mm.iter().map(|&z| Vec3::new(0.0, 0.0, z)).collect();
-    let offsets: Vec<Vec3> = centres_z_mm
-        .iter()
-        .zip(midpoints_z_mm)
-        .map(|(centre, midpoint)| Vec3::new(0.0, 0.0, centre - midpoint))
-        .collect();
-    SpineModel::from_poses(midpoints, vec![Mat3::identity(); midpoints_z_mm.len()], &offsets)
-}
 
 fn solve(statics: &Statics<'_>, load: &Load, force_n: f64) -> Solution {
     let mut solution = Solution::default();
@@ -34,7 +24,7 @@ fn solve(statics: &Statics<'_>, load: &Load, force_n: f64) -> Solution {
 #[test]
 fn one_joint_rotates_by_force_times_lever_arm_over_stiffness() {
     // Oracle: k Δθ = d F, and the vertebra turns about the joint's centre.
-    let model = chain(&[0.0, 40.0], &[15.0]);
+    let model = straight(&[0.0, 40.0], &[15.0]);
     let k = 130_000.0;
     let line = LineOfAction::leaning(Frontal::new(25.0, 60.0), Angle::from_deg(20.0));
     for support in [Support::Free, Support::Frontal] {
@@ -58,7 +48,7 @@ fn one_joint_rotates_by_force_times_lever_arm_over_stiffness() {
 #[test]
 fn two_joints_rotate_in_series() {
     // Oracle: θ1 = F d1 / k1; joint 2 moves with θ1; θ2 = F d2 / k2 with d2 at the place where joint 2 then is.
-    let model = chain(&[0.0, 40.0, 80.0], &[15.0, 55.0]);
+    let model = straight(&[0.0, 40.0, 80.0], &[15.0, 55.0]);
     let (k1, k2, force_n) = (120_000.0, 150_000.0, 400.0);
     let (point, tilt) = (Frontal::new(-30.0, 90.0), Angle::from_deg(-15.0));
     let statics = Statics::from_stiffness(
@@ -121,7 +111,7 @@ fn a_straight_spine_under_a_small_horizontal_force_rotates_by_height_over_stiffn
     // Oracle: first order, θ_i = F h_i / k_i with h_i the height of the force above joint i.
     let z: Vec<f64> = (0..15).map(|i| 26.0 * f64::from(i)).collect();
     let centres: Vec<f64> = z[..14].iter().map(|z| z + 12.0).collect();
-    let model = chain(&z, &centres);
+    let model = straight(&z, &centres);
     let k = |j: usize| 1e5 * (1.0 + 0.1 * j as f64);
     let statics =
         Statics::from_stiffness(&model, (0..14).map(|j| [k(j), 1e5, 1e5]), &[0; 14], Support::Free);

@@ -42,14 +42,6 @@ pub fn mirrored(film: &Film) -> Film {
     film
 }
 
-const MIRROR_POSTURE: [(Posture, Posture); 5] = [
-    (Posture::Erect, Posture::Erect),
-    (Posture::LeftBending, Posture::RightBending),
-    (Posture::RightBending, Posture::LeftBending),
-    (Posture::Neutral, Posture::Neutral),
-    (Posture::Traction, Posture::Traction),
-];
-
 fn model(analysis: &Analysis, kind: LineKind) -> &LineModel {
     analysis.model(kind).expect("every line")
 }
@@ -132,7 +124,8 @@ proptest! {
         let films = case.films.iter().map(mirrored).collect();
         let options = options(ferguson);
         let (a, b) = (analyzed(&case, &options), analyzed(&case_of(films), &options));
-        for (p, q) in MIRROR_POSTURE {
+        let postures = Posture::ALL.map(|posture| (posture, other_side(posture)));
+        for (p, q) in postures {
             let (a, b) = (a.movement.film(p).expect("five films"), b.movement.film(q).expect("five films"));
             for (v, w) in a.outline.vertebrae.iter().zip(&b.outline.vertebrae) {
                 assert_near(w.location.y_mm, -v.location.y_mm, ROUNDING, "y");
@@ -151,7 +144,7 @@ proptest! {
         prop_assert_eq!((a.movement.chain.segments, a.movement.chain.difference), (b.movement.chain.segments, b.movement.chain.difference));
         assert_near(b.movement.chain.segment_mm, a.movement.chain.segment_mm, ROUNDING, "segment");
         prop_assert_eq!(a.movement.regions, b.movement.regions);
-        assert_same_models(&a, &b, &MIRROR_POSTURE, 1.0, &ALL_LINES);
+        assert_same_models(&a, &b, &postures, 1.0, &ALL_LINES);
     }
 
     /// Oracle: how a film was held is not a property of the patient.
@@ -237,7 +230,7 @@ proptest! {
             let off = q.centre_in_inferior_mm - p.centre_in_inferior_mm * LARGER;
             assert_near(off.norm(), 0.0, ROUNDING, "joint centre");
         }
-        let bends = &MIRROR_POSTURE.map(|(posture, _)| (posture, posture))[..3];
+        let bends = &Posture::ALL.map(|posture| (posture, posture))[..3];
         assert_same_models(&a, &b, bends, LARGER, &[LineKind::Inflection, LineKind::Iliac]);
         for kind in [LineKind::Inflection, LineKind::Iliac] {
             let Some(tolerance) = multiplier_tolerance(&a, model(&a, kind)) else { continue };
@@ -309,7 +302,7 @@ fn assert_same_analysis(a: &Analysis, b: &Analysis) {
     }
     assert_eq!(a.movement.inflection_segments, b.movement.inflection_segments);
     assert_eq!(a.movement.chain.segments, b.movement.chain.segments);
-    let postures = MIRROR_POSTURE.map(|(posture, _)| (posture, posture));
+    let postures = Posture::ALL.map(|posture| (posture, posture));
     assert_same_models(a, b, &postures, 1.0, &ALL_LINES);
 }
 

@@ -199,13 +199,7 @@ fn a_column_with_a_rod_buckles_below_the_rod_on_a_table() {
     let z: Vec<f64> = (0..5).map(|i| 30.0 * f64::from(i)).collect();
     let model = straight(&z, &z[..4]);
     let k = 1e5;
-    let rod = Rod {
-        inferior: 1,
-        superior: 4,
-        shift_mm: Vec3::zeros(),
-        turn_rad: Vec3::zeros(),
-        timing: Timing::Constant,
-    };
+    let rod = Rod::locking(1, 4, Timing::Constant);
     let load = proportional(4, dead(Vec3::z() * (-1.5 * k / 120.0)));
     let loading = with_rods(vec![load], vec![rod]);
     let path = follow(&model, &springs(&model, [k; 3]), Support::Frontal, &loading, &far());

@@ -179,13 +179,7 @@ fn a_rod_that_keeps_the_erect_pose_keeps_what_it_spans() {
         [0, 1, 4, 5, 6].map(|i| model.axes[i]).to_vec(),
         &[0, 1, 4, 5].map(|i| model.joints[i].centre_in_inferior_mm),
     );
-    let rod = Rod {
-        inferior: 1,
-        superior: 4,
-        shift_mm: Vec3::zeros(),
-        turn_rad: Vec3::zeros(),
-        timing: Timing::Constant,
-    };
+    let rod = Rod::locking(1, 4, Timing::Constant);
     let force = Vec3::new(30.0, -60.0, -80.0);
     let loading = with_rods(vec![proportional(6, dead(force))], vec![rod]);
     let found = equilibrium(&model, &stiffness, Support::Free, &loading);
