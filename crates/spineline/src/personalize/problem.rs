@@ -16,7 +16,7 @@ use crate::multibody::{FilmUnderLoad, FittedSprings, MAX_HINGE_RAD, Wanted};
 /// Rows are of the films, of the prior, and one of the gauge.
 pub(crate) struct Problem<'a, F> {
     pub(super) springs: FittedSprings<'a>,
-    settings: FitSettings<'a>,
+    pub(super) settings: FitSettings<'a>,
     pub films: Vec<FilmData<'a, F>>,
     /// Multipliers that are known already.
     pub(super) held: Option<Vec<f64>>,
@@ -35,15 +35,6 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
             next += film.load.len();
         }
         Self { springs, settings: *settings, films, held }
-    }
-
-    pub fn settings(&self) -> FitSettings<'a> {
-        self.settings
-    }
-
-    /// Fits the same films otherwise from here on.
-    pub fn set(&mut self, settings: FitSettings<'a>) {
-        self.settings = settings;
     }
 
     /// What is fitted. A load of several numbers needs the whole shape: three angles and an amplitude do not determine it.

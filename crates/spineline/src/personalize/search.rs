@@ -30,20 +30,20 @@ pub(crate) fn fit<F: FilmUnderLoad>(
     start: Option<&Personalization>,
 ) -> Personalization {
     // The prior becomes stronger with the variance of the films about the model, which a fit without the prior estimates.
-    let settings = problem.settings();
+    let settings = problem.settings;
     let free = settings.prior.map(|_| {
-        problem.set(FitSettings { prior: None, ..settings });
+        problem.settings = FitSettings { prior: None, ..settings };
         fit(problem, hints, start)
     });
     if let Some(free) = &free {
-        problem.set(settings.weighed(free.variance_factor));
+        problem.settings = settings.weighed(free.variance_factor);
     }
     let mut best = Best::default();
     if !best.follows(problem, start) {
         best.search_all(problem, hints, free.as_ref());
     }
     let found = best.result(problem, free.as_ref());
-    problem.set(settings);
+    problem.settings = settings;
     found
 }
 
@@ -100,10 +100,10 @@ impl Best {
         self.improve_further(problem, &starts, enough);
         // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
         if problem.target() == FitTarget::Ferguson && !self.satisfies(problem, enough) {
-            let settings = problem.settings();
-            problem.set(FitSettings { target: FitTarget::Shape, ..settings });
+            let settings = problem.settings;
+            problem.settings = FitSettings { target: FitTarget::Shape, ..settings };
             let shape = fit(problem, hints, None);
-            problem.set(settings);
+            problem.settings = settings;
             self.improve(problem, &shape.as_start());
         }
     }

@@ -37,7 +37,7 @@ impl<F: FilmUnderLoad> Problem<'_, F> {
     /// estimated loads. A frozen force is the force at the amplitude instead.
     pub(super) fn further_starts(&self) -> Vec<Start> {
         let one = self.films.iter().all(|film| film.load.len() == 1);
-        let is_frozen = self.settings().gauge == Gauge::FrozenForce;
+        let is_frozen = self.settings.gauge == Gauge::FrozenForce;
         if one && !is_frozen && self.held.is_none() { self.estimated_starts() } else { Vec::new() }
     }
 
@@ -100,7 +100,7 @@ impl<F: FilmUnderLoad> Problem<'_, F> {
         let start = |signs: Vec<f64>| {
             let mut start = closed_form(&films, groups, &signs);
             let nominal = Start { log_multipliers: vec![0.0; groups.len()], ..start.clone() };
-            if self.settings().gauge == Gauge::FrozenForce
+            if self.settings.gauge == Gauge::FrozenForce
                 && let Some(frozen) = self.at_amplitude(&nominal)
             {
                 start.loads = frozen.loads;
