@@ -54,17 +54,6 @@ fn body_of(
     Ok(landmark.corners.map(|corner| image.frontal(corner)))
 }
 
-/// One reading in millimetres of the film: midpoints and tilts. T1 is absent where its landmarks make no body, and L5 where
-/// they lie beyond the picture.
-pub(super) fn place(
-    posture: Posture,
-    image: &ImageGeometry,
-    reading: &Reading<VertebraLandmarks>,
-    rule: TiltRule,
-) -> Result<BTreeMap<Level, Placement>, MeasureError> {
-    place_usable(posture, image, reading, rule, &mut Vec::new())
-}
-
 /// Warns that T1 or L5 is left out because its landmarks cannot be used.
 pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
@@ -74,7 +63,7 @@ pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     {
         let mut unusable = Vec::new();
         // What else is wrong has stopped the measurement before.
-        let _ = place_usable(film.posture, image, reading, TiltRule::default(), &mut unusable);
+        let _ = place(film.posture, image, reading, TiltRule::default(), &mut unusable);
         for (level, error) in unusable {
             let text = format!("{error}; {level} is left out, as no result needs it");
             warnings.vertebra(WarningCode::LevelLeftOut, film.posture, level, text);
@@ -121,7 +110,9 @@ struct Body<'a> {
     centre: Frontal,
 }
 
-fn place_usable(
+/// One reading in millimetres of the film: midpoints and tilts. T1 is absent where its landmarks make no body, and L5 where
+/// they lie beyond the picture: their errors are added to `unusable`.
+pub(super) fn place(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<VertebraLandmarks>,

@@ -53,7 +53,7 @@ pub fn measure_readings(
             readings
                 .iter()
                 .map(|reading| {
-                    let vertebrae = place(posture, image, reading, rule)?;
+                    let vertebrae = place(posture, image, reading, rule, &mut Vec::new())?;
                     Ok(Reading { id: reading.id.clone(), vertebrae })
                 })
                 .collect()

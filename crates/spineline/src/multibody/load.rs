@@ -61,16 +61,11 @@ impl Load {
                 let none = Wrench { force_n: Vec3::zeros(), moment_nmm: Vec3::zeros() };
                 [Wrench::at(point, direction), none, none]
             }
-            Self::Frontal { depth_mm } => frontal_units(*depth_mm),
+            Self::Frontal { depth_mm } => {
+                let point = Vec3::new(*depth_mm, 0.0, 0.0);
+                let couple = Wrench { force_n: Vec3::zeros(), moment_nmm: Vec3::x() };
+                [Wrench::at(point, Vec3::y()), Wrench::at(point, Vec3::z()), couple]
+            }
         }
     }
-}
-
-fn frontal_units(depth_mm: f64) -> [Wrench; 3] {
-    let point = Vec3::new(depth_mm, 0.0, 0.0);
-    [
-        Wrench::at(point, Vec3::y()),
-        Wrench::at(point, Vec3::z()),
-        Wrench { force_n: Vec3::zeros(), moment_nmm: Vec3::x() },
-    ]
 }

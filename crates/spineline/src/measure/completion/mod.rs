@@ -34,6 +34,8 @@ use crate::spatial::{Frontal, Pixel};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Completion {
     corners: [Corners<Frontal>; LEVELS],
+    /// Of all corners in mm² (px² of the frontal frame where no spacing is known): levels from L5 to T1, corners in the order of
+    /// [`CornerName::ALL`], towards the patient's left and cranial; 136 × 136.
     covariance_mm2: DMatrix<f64>,
     iterations: usize,
 }
@@ -49,13 +51,6 @@ impl Completion {
     #[must_use]
     pub fn corners_px(&self, image: &ImageGeometry, level: Level) -> Corners<Pixel> {
         self.corners(level).map(|corner| image.pixel(corner))
-    }
-
-    /// Covariance of all corners in mm² (px² of the frontal frame where no spacing is known): levels from L5 to T1, corners in
-    /// the order of [`CornerName::ALL`], towards the patient's left and cranial; 136 × 136.
-    #[must_use]
-    pub const fn covariance_mm2(&self) -> &DMatrix<f64> {
-        &self.covariance_mm2
     }
 
     /// Covariance of two corners, or of a corner with itself, in mm².
