@@ -3,12 +3,11 @@
 use super::endings::human_range_words;
 use super::models::settings_of;
 use super::{Analysis, AnalysisOptions, FilmMovement, Movement};
-use crate::clinical::{RegionBounds, ferguson_angle};
+use crate::clinical::RegionBounds;
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::{Hypothesis, HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
 use crate::multibody::PathEnding;
 use crate::personalize::{FitSettings, FitStatus, FitTarget, Gauge};
-use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
 
 /// Fits every hypothesis of the options.
@@ -81,8 +80,8 @@ impl Analysis {
 
 /// The apex of the erect curve with the largest Ferguson angle.
 fn largest_apex(movement: &Movement) -> usize {
-    let locations: Vec<Frontal> = movement.erect().outline.locations().collect();
-    let size = |bounds: &&RegionBounds| ferguson_angle(&locations, bounds).abs();
+    let erect = &movement.erect().outline.vertebrae;
+    let size = |bounds: &&RegionBounds| bounds.ferguson_angle(|i| erect[i].location).abs();
     let bounds = movement.regions.bounds.iter();
     let largest = bounds.max_by(|a, b| size(a).rad().total_cmp(&size(b).rad()));
     largest.expect("there are three regions").apex

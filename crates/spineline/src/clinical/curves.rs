@@ -1,8 +1,8 @@
 use super::places::{EndAngles, end_angles};
-use super::{CobbEnds, CurvePlaces, RegionBounds, Regions, convex_side, ferguson_angle};
+use super::{CobbEnds, CurvePlaces, RegionBounds, Regions, convex_side};
 use crate::anatomy::{Level, Posture, Region, Side, named};
 use crate::measure::{EndplateTilts, Outline};
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::Angle;
 
 named! {
     /// On which films end vertebrae are chosen.
@@ -124,8 +124,7 @@ fn measure_curve(bounds: RegionBounds, outlines: &[&Outline], choice: &EndChoice
         })
         .collect();
     let ferguson = |outline: &&Outline| {
-        let locations: Vec<Frontal> = outline.locations().collect();
-        (outline.posture, ferguson_angle(&locations, &bounds))
+        (outline.posture, bounds.ferguson_angle(|i| outline.vertebrae[i].location))
     };
     let mut curve = ClinicalCurve {
         region: bounds.region,

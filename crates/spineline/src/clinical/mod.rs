@@ -21,7 +21,7 @@ pub use curves::{
 };
 pub use largest::largest_tilt_difference;
 pub use places::{CobbEnds, CurvePlaces, EndAngles, convex_side, endplate_line};
-pub use regions::{RegionBounds, Regions, ferguson_angle};
+pub use regions::{RegionBounds, Regions};
 pub use shares::JointShares;
 pub use space::{
     Dimension, MaximumCurvature, SagittalAngle, SagittalPart, SpatialMeasures, SpatialNumber,

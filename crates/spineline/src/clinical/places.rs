@@ -1,4 +1,4 @@
-use super::{RegionBounds, Regions, ferguson_angle};
+use super::{RegionBounds, Regions};
 use crate::anatomy::{Level, Levels, Side};
 use crate::measure::EndplateTilts;
 use crate::spatial::{Angle, Frontal};
@@ -105,12 +105,6 @@ impl CurvePlaces {
         let [lower, upper] = self.cobb_ends;
         let tilt_range = tilts[upper] - tilts[lower];
         EndAngles { tilt_range, cobb: self.endplate_difference.map(|more| tilt_range + more) }
-    }
-
-    /// Ferguson angle, as [`ferguson_angle`].
-    #[must_use]
-    pub fn ferguson(&self, locations: &[Frontal]) -> Angle {
-        ferguson_angle(locations, &self.bounds)
     }
 }
 

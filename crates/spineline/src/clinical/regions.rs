@@ -90,21 +90,6 @@ impl Regions {
     }
 }
 
-/// Ferguson angle: lateral tilt of the line apex → upper end minus the tilt of the line lower end → apex.
-///
-/// Positive where the curve turns to the patient's right from below to above, so where it is convex to the left.
-///
-/// ```
-/// use spineline::{anatomy::Region, clinical::{RegionBounds, ferguson_angle}, spatial::Frontal};
-/// let spine = [Frontal::new(0.0, 0.0), Frontal::new(10.0, 10.0), Frontal::new(0.0, 20.0)];
-/// let bounds = RegionBounds { region: Region::MainThoracic, inferior: 0, apex: 1, superior: 2 };
-/// assert!((ferguson_angle(&spine, &bounds).deg() - 90.0).abs() < 1e-12);
-/// ```
-#[must_use]
-pub fn ferguson_angle(locations: &[Frontal], bounds: &RegionBounds) -> Angle {
-    bounds.ferguson_angle(|i| locations[i])
-}
-
 impl RegionBounds {
     /// The lines from the lower end to the apex and from the apex to the upper end.
     pub(crate) fn ferguson_lines(&self, location: impl Fn(usize) -> Frontal) -> [Frontal; 2] {
@@ -112,8 +97,19 @@ impl RegionBounds {
         [apex - location(self.inferior), location(self.superior) - apex]
     }
 
-    /// As [`ferguson_angle`].
-    pub(crate) fn ferguson_angle(&self, location: impl Fn(usize) -> Frontal) -> Angle {
+    /// Ferguson angle of vertebrae at these locations: lateral tilt of the line apex → upper end minus the tilt of the line
+    /// lower end → apex.
+    ///
+    /// Positive where the curve turns to the patient's right from below to above, so where it is convex to the left.
+    ///
+    /// ```
+    /// use spineline::{anatomy::Region, clinical::RegionBounds, spatial::Frontal};
+    /// let spine = [Frontal::new(0.0, 0.0), Frontal::new(10.0, 10.0), Frontal::new(0.0, 20.0)];
+    /// let bounds = RegionBounds { region: Region::MainThoracic, inferior: 0, apex: 1, superior: 2 };
+    /// assert!((bounds.ferguson_angle(|i| spine[i]).deg() - 90.0).abs() < 1e-12);
+    /// ```
+    #[must_use]
+    pub fn ferguson_angle(&self, location: impl Fn(usize) -> Frontal) -> Angle {
         let [lower, upper] = self.ferguson_lines(location).map(Frontal::lateral_tilt);
         (upper - lower).wrapped()
     }

@@ -84,7 +84,6 @@ impl FilmCovariance {
 mod tests {
     use super::*;
     use crate::anatomy::Region;
-    use crate::clinical::ferguson_angle;
 
     #[test]
     fn the_deviation_of_a_ferguson_angle_follows_from_its_differences() {
@@ -104,7 +103,7 @@ mod tests {
                 let mut moved = locations.clone();
                 let shift = [Frontal::new(step_mm, 0.0), Frontal::new(0.0, step_mm)][row % 2];
                 moved[row / 2] = moved[row / 2] + shift;
-                ferguson_angle(&moved, &bounds).rad()
+                bounds.ferguson_angle(|i| moved[i]).rad()
             };
             (angle(1e-4) - angle(-1e-4)) / 2e-4
         });

@@ -3,7 +3,7 @@
 use super::FilmShape;
 use crate::action::LineOfAction;
 use crate::anatomy::named;
-use crate::clinical::{Regions, ferguson_angle};
+use crate::clinical::Regions;
 use crate::measure::Outline;
 use crate::multibody::{
     ForceMatch, ForceSign, Load, PathEnding, Residual, Statics, amplitude_matches, match_t2,
@@ -279,12 +279,10 @@ fn ranked(
     let mut tries: Vec<(ForceMatch, [Angle; 3])> = found
         .into_iter()
         .map(|found| {
-            let simulated: Vec<Frontal> =
-                (0..measured.len()).map(|i| found.solution.deformed.location(i)).collect();
-            let difference = regions
-                .bounds
-                .each_ref()
-                .map(|b| (ferguson_angle(&simulated, b) - ferguson_angle(measured, b)).wrapped());
+            let difference = regions.bounds.each_ref().map(|bounds| {
+                let simulated = bounds.ferguson_angle(|i| found.solution.deformed.location(i));
+                (simulated - bounds.ferguson_angle(|i| measured[i])).wrapped()
+            });
             (found, difference)
         })
         .collect();

@@ -3,7 +3,7 @@
 use super::Base;
 use super::estimate::JointResponses;
 use super::shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
-use crate::clinical::{RegionBounds, Regions, ferguson_angle};
+use crate::clinical::{RegionBounds, Regions};
 use crate::least_squares::System;
 use crate::measure::Outline;
 use crate::multibody::{FilmUnderLoad, FittedSprings, Wanted};
@@ -36,12 +36,13 @@ impl<'a, F: FilmUnderLoad> FilmData<'a, F> {
         loaded: F,
         base: Base,
     ) -> Self {
-        let locations: Vec<Frontal> = outline.locations().collect();
+        let ferguson =
+            |bounds: &RegionBounds| bounds.ferguson_angle(|i| outline.vertebrae[i].location);
         Self {
             first: 0,
             load: vec![0.0; loaded.components() + base.angles()],
-            ferguson: regions.bounds.each_ref().map(|bounds| ferguson_angle(&locations, bounds)),
-            lateral_tilt: locations[locations.len() - 1].lateral_tilt(),
+            ferguson: regions.bounds.each_ref().map(ferguson),
+            lateral_tilt: outline.top().lateral_tilt(),
             weights: ShapeWeights::of_difference(&outline.noise, &springs.erect.noise),
             rows: ShapeRows::new(outline, springs.erect, springs.model),
             loaded,

@@ -1,7 +1,7 @@
 use crate::anatomy::Region;
 use crate::clinical::{CurvePlaces, EndAngles};
 use crate::multibody::{Deformed, SpineModel};
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::Angle;
 
 /// A hinge that turns farther gets a warning: about twice the range of a healthy motion segment in any direction.
 ///
@@ -38,16 +38,15 @@ pub struct SpineAngles {
 #[must_use]
 pub fn measure_angles(shape: &Deformed, places: &[CurvePlaces]) -> SpineAngles {
     let count = shape.midpoints_mm.len();
-    let locations: Vec<Frontal> = (0..count).map(|i| shape.location(i)).collect();
     let tilts: Vec<Angle> = (0..count).map(|i| shape.tilt(i)).collect();
     let angles = |place: &CurvePlaces| CurveAngles {
         region: place.bounds.region,
         ends: place.angles(&tilts),
-        ferguson: place.ferguson(&locations),
+        ferguson: place.bounds.ferguson_angle(|i| shape.location(i)),
     };
     SpineAngles {
         lateral_tilt: shape.lateral_tilt(),
-        top_offset_mm: locations.last().map_or(0.0, |top| top.y_mm),
+        top_offset_mm: shape.location(count - 1).y_mm,
         curves: places.iter().map(angles).collect(),
     }
 }

@@ -4,7 +4,7 @@ use crate::common::{self, assert_near, graph_film, measured, outline, usual_regi
 use proptest::prelude::*;
 use spineline::anatomy::{Posture, Side};
 use spineline::chain::{Chain, SEGMENT_WINDOW};
-use spineline::clinical::{EndChoice, ferguson_angle, measure_curves};
+use spineline::clinical::{EndChoice, measure_curves};
 use spineline::curve::{CurveFit, InflectionIntervals, OrderRule, find_inflections, fit_curve};
 use spineline::measure::Outline;
 use spineline::spatial::{Angle, Frontal};
@@ -160,9 +160,8 @@ proptest! {
         let outline = three_arcs([-a, b, -c]);
         let regions = usual_regions();
         let curves = measure_curves(&regions, &[&outline], &EndChoice::default());
-        let locations: Vec<Frontal> = outline.locations().collect();
         for ((curve, bounds), angle) in curves.iter().zip(&regions.bounds).zip([-a, b, -c]) {
-            let ferguson = ferguson_angle(&locations, bounds);
+            let ferguson = bounds.ferguson_angle(|i| outline.vertebrae[i].location);
             assert_near(ferguson.deg(), 0.5 * angle, 1e3 * ROUNDING, "Ferguson");
             assert_near(curve.ferguson[0].1.deg(), 0.5 * angle, 1e3 * ROUNDING, "Ferguson");
             assert_near(curve.angles[0].1.tilt_range.deg(), angle, 1e3 * ROUNDING, "Cobb");
