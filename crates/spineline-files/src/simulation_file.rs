@@ -3,9 +3,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use spineline::anatomy::{Level, Region};
 use spineline::multibody::{Deformed, Goal, PathPoint, Timing};
-use spineline::response::{
-    GoalEquilibrium, SignedPath, SpineAngles, direction_word, erect_shape, measure_angles,
-};
+use spineline::response::{GoalEquilibrium, SignedPath, SpineAngles, erect_shape, measure_angles};
 use spineline::spatial::{Mat3, Vec3};
 use spineline::uncertainty::LoadedUncertainty;
 
@@ -180,7 +178,7 @@ impl SimulationFile {
 fn events(signed: &SignedPath) -> impl Iterator<Item = EventRecord> {
     signed.path.events.iter().map(|event| EventRecord {
         kind: event.kind.key().to_owned(),
-        direction: direction_word(signed.sign).to_owned(),
+        direction: signed.sign.key().to_owned(),
         timing: event.timing,
         factor: event.factor,
         arc_rad: event.arc_rad,
@@ -244,7 +242,7 @@ impl Simulated {
         });
         let reactions = equilibrium.rod_reactions.iter().zip(&self.placed.load_of_rod);
         EquilibriumRecord {
-            direction: direction_word(met.sign).to_owned(),
+            direction: met.sign.key().to_owned(),
             factor: equilibrium.factor,
             verdict: met.verdict.key().to_owned(),
             on_erect_branch: equilibrium.is_on_erect_branch(),
@@ -270,7 +268,7 @@ impl Simulated {
     }
 
     fn path(&self, signed: &SignedPath) -> impl Iterator<Item = PathRecord> {
-        let direction = direction_word(signed.sign);
+        let direction = signed.sign.key();
         signed.path.points.iter().map(move |point: &PathPoint| PathRecord {
             direction: direction.to_owned(),
             timing: point.timing,

@@ -215,7 +215,7 @@ impl LoadedTables<'_> {
             texts.push(format!(
                 "Nearest shape on the path: factor {} of the {} loads, lateral tilt {} against {}'s axis, largest joint rotation {}",
                 fixed(point.factor, 4),
-                point.timing.word(),
+                point.timing,
                 point.deformed.lateral_tilt().leaning(),
                 self.end_names()[0],
                 largest_hinge(&point.deformed).2.abs()
@@ -234,7 +234,7 @@ impl LoadedTables<'_> {
             };
             signed.path.events.iter().map(move |event| {
                 let name = event.kind.key().replace('_', " ");
-                let (factor, timing) = (event.factor, event.timing.word());
+                let (factor, timing) = (event.factor, event.timing);
                 format!(
                     "Event: {name} at a factor of {} of the {timing} loads{way}",
                     fixed(factor, 4)

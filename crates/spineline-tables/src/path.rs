@@ -2,7 +2,7 @@
 
 use spineline::anatomy::Region;
 use spineline::multibody::{ForceSign, PathPoint};
-use spineline::response::{CurveAngles, SpineAngles, direction_word};
+use spineline::response::{CurveAngles, SpineAngles};
 use spineline::spatial::Angle;
 
 use crate::define::{Columns, Unit, table};
@@ -56,7 +56,7 @@ fn keys(add: &mut Columns<'_, LoadedShape<'_>>) {
     });
     add.text("status", "how the search ended; the same in every row", |row| row.status);
     add.text("direction", "whether loads grow `along` or `against` themselves", |row| {
-        direction_word(row.sign)
+        row.sign.key()
     });
     add.text("timing", "which loads are varied", |row| row.point.timing.key());
     add.number("factor", Unit::One, "factor of these loads", |row| row.point.factor);

@@ -36,7 +36,7 @@ fn search(criterion: &mut Criterion) {
         );
         let load = common::bending_loads(&analysis, kind)[0];
         let fitted = model.simulation(BENDS[0]).expect("a left bend");
-        let sign = if fitted.force_n < 0.0 { ForceSign::Negative } else { ForceSign::Positive };
+        let sign = ForceSign::of(fitted.force_n);
         let tilt = fitted.shape.locations[14].lateral_tilt();
         let mut step = 0_u32;
         group.bench_function(format!("{} phantom, {kind}", scenario.key()), |bencher| {

@@ -60,8 +60,7 @@ impl Bent {
             let line = LineOfAction::through(caudal, cranial).expect("they lie apart");
             let load = Load::along(line, 0.0);
             let top = bend.outline.vertebrae[14].location.lateral_tilt();
-            let found = [ForceSign::Positive, ForceSign::Negative]
-                .map(|sign| match_amplitude(&statics, &load, sign, top));
+            let found = ForceSign::ALL.map(|sign| match_amplitude(&statics, &load, sign, top));
             let found = found.iter().filter(|one| one.is_usable());
             let found = found.min_by(|a, b| a.force_n.abs().total_cmp(&b.force_n.abs()));
             let bent = &found.expect("the amplitude is reached").solution.deformed;

@@ -264,7 +264,7 @@ fn nearest_of_signs(
     place: Frontal,
 ) -> ForceMatch {
     match sign {
-        None => match_t2(statics, load, &ForceSign::BOTH, place),
+        None => match_t2(statics, load, &ForceSign::ALL, place),
         Some(sign) => match_t2(statics, load, &[sign], place),
     }
 }

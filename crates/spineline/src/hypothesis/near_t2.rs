@@ -64,7 +64,7 @@ fn nearest_t2(
     if count == 1 && hypothesis.base != Base::Free {
         let largest = largest(loaded, log_multipliers, spine);
         let load = OneOnFilm { loaded, statics, largest };
-        let found = nearest_on_path(load, &ForceSign::BOTH, measured);
+        let found = nearest_on_path(load, &ForceSign::ALL, measured);
         if !found.is_usable() {
             return None;
         }

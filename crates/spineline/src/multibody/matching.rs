@@ -4,15 +4,17 @@ use super::follow::{Branch, PathEnding, Stop, follow};
 use super::roots::{Along, Lost, Sample, zeros_between};
 use super::target::{AmplitudeTarget, NearestT2Target, PathState, Residual, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
+use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal, Vec3};
 
-/// The way a force points along its line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ForceSign {
-    /// Along the line's direction.
-    Positive,
-    /// Against it.
-    Negative,
+named! {
+    /// The way a force points along its line, or loads along themselves.
+    pub enum ForceSign {
+        /// Along the direction.
+        Positive = "along",
+        /// Against it.
+        Negative = "against",
+    }
 }
 
 impl ForceSign {
@@ -21,9 +23,6 @@ impl ForceSign {
     pub fn of(force_n: f64) -> Self {
         if force_n < 0.0 { Self::Negative } else { Self::Positive }
     }
-
-    /// Both signs.
-    pub const BOTH: [Self; 2] = [Self::Positive, Self::Negative];
 
     pub(super) const fn factor(self) -> f64 {
         match self {
@@ -104,7 +103,7 @@ pub fn match_amplitude(
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
     let mut path = Path::new(LineForce { statics, load }, AmplitudeTarget(target));
-    for sign in ForceSign::BOTH {
+    for sign in ForceSign::ALL {
         path.follow(sign, usize::MAX);
     }
     if path.found.is_empty() {

@@ -51,8 +51,7 @@ impl<F: FilmUnderLoad> Problem<'_, F> {
     pub(super) fn at_amplitude(&self, start: &Start) -> Option<Start> {
         let springs = self.springs(&start.log_multipliers);
         let force = |(film, load): (&FilmData<'_, F>, &Vec<f64>)| {
-            let negative = *load.first()? < 0.0;
-            let sign = if negative { ForceSign::Negative } else { ForceSign::Positive };
+            let sign = ForceSign::of(*load.first()?);
             Some(vec![film.loaded.force_at_amplitude(&springs, sign, film.lateral_tilt)?])
         };
         let loads = self.films.iter().zip(&start.loads).map(force).collect::<Option<_>>()?;

@@ -136,15 +136,6 @@ impl Response {
     }
 }
 
-/// `along` or `against`: the word for a sign in files.
-#[must_use]
-pub const fn direction_word(sign: ForceSign) -> &'static str {
-    match sign {
-        ForceSign::Positive => "along",
-        ForceSign::Negative => "against",
-    }
-}
-
 /// The factor up to which loads are worth following: 1500 N altogether for springs of the usual mean lateral stiffness,
 /// and in proportion for others.
 ///
@@ -235,7 +226,7 @@ pub fn respond(
 ) -> Result<Response, LoadingError> {
     let signs: &[ForceSign] = match goal {
         Goal::FullLoad => &[ForceSign::Positive],
-        Goal::LateralTilt(_) => &ForceSign::BOTH,
+        Goal::LateralTilt(_) => &ForceSign::ALL,
     };
     let (mut paths, mut equilibria) = (Vec::new(), Vec::new());
     let mut interrupted = false;

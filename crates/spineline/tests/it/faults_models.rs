@@ -116,7 +116,7 @@ fn an_unreachable_amplitude_reports_the_remaining_difference() {
     let (_, model) = spine(0);
     for support in [Support::Free, Support::Frontal] {
         let statics = Statics::from_stiffness(&model, one_soft_joint(), &[0; 14], support);
-        for sign in ForceSign::BOTH {
+        for sign in ForceSign::ALL {
             let end = match_amplitude(&statics, &load(), sign, OUT_OF_REACH);
             assert_eq!(end.status, PathEnding::Unreachable);
             assert!(!end.is_usable() && end.evaluations > 1);

@@ -238,7 +238,7 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
                 }
                 _ => LineOfAction::along_iliac(t2, film.outline.iliac_normal),
             };
-            let expected = match_t2(&statics, &Load::along(line, 0.0), &ForceSign::BOTH, t2);
+            let expected = match_t2(&statics, &Load::along(line, 0.0), &ForceSign::ALL, t2);
             let (force_n, expected_n) = (found.components[0], expected.force_n);
             let off = (force_n - expected_n).abs() / expected_n.abs();
             assert!(off < 1e-6, "{load:?}, {}: {force_n} {expected_n}", found.shape.posture);

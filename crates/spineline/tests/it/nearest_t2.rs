@@ -81,7 +81,7 @@ fn no_nearer_place_and_no_smaller_force_is_missed() {
         };
         minima.extend(others);
         let enough_mm = a.min(b) + TOLERANCE_MM;
-        let found = match_t2(&statics, &load, &ForceSign::BOTH, place);
+        let found = match_t2(&statics, &load, &ForceSign::ALL, place);
         let smallest = minima
             .iter()
             .filter(|[_, gap_mm]| *gap_mm <= enough_mm)

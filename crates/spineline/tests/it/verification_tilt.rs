@@ -51,7 +51,7 @@ fn forces_n(
             && force_n <= largest_n
     };
     let mut forces = Vec::new();
-    for sign in ForceSign::BOTH {
+    for sign in ForceSign::ALL {
         let path = path_to_tilt(problem, line, (tilt, sign, largest_n));
         assert!(path.events.is_empty(), "the march has one shape for every force");
         forces.extend(path.equilibria.iter().filter(counts).map(|found| found.factor * UNIT_N));

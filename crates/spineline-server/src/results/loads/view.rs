@@ -86,11 +86,8 @@ fn steps(simulated: &Simulated) -> Vec<LoadStep> {
     let mut steps: Vec<LoadStep> = kept
         .map(|(_, point)| {
             let factor = if point.timing == Timing::Proportional { point.factor } else { 0.0 };
-            let label = format!(
-                "{} % of the {} loads",
-                fixed(100.0 * point.factor, 0),
-                point.timing.word()
-            );
+            let percent = fixed(100.0 * point.factor, 0);
+            let label = format!("{percent} % of the {} loads", point.timing);
             step(simulated, label, &point.deformed, factor, &[])
         })
         .collect();

@@ -66,20 +66,9 @@ named! {
     #[default(Proportional)]
     pub enum Timing {
         /// Constant: applied before the proportional loads, and then constant.
-        Constant = "held",
+        Constant = "held" as "constant",
         /// Proportional: increases with the load factor, after the constant loads.
-        Proportional = "growing",
-    }
-}
-
-impl Timing {
-    /// As a word for people.
-    #[must_use]
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::Proportional => "proportional",
-        }
+        Proportional = "growing" as "proportional",
     }
 }
 
