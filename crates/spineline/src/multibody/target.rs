@@ -78,15 +78,8 @@ impl SearchTarget for AmplitudeTarget {
     fn state(&self, force_n: f64, solution: &Solution, _nearest: f64) -> PathState {
         let value = (solution.deformed.lateral_tilt() - self.0).wrapped().rad();
         let (rate, met) = (solution.lateral_tilt_rate(0), value.abs() < 1e-9);
-        PathState {
-            value,
-            rate,
-            exact: true,
-            residual: value,
-            met,
-            step_n: turn_step(solution),
-            ..PathState::of_t2(force_n, solution)
-        }
+        let (step_n, [t2, t2_rate]) = (turn_step(solution), t2_of(solution));
+        PathState { force_n, value, rate, exact: true, residual: value, met, step_n, t2, t2_rate }
     }
 
     fn residual(rad: f64) -> Residual {
@@ -99,20 +92,20 @@ pub(super) struct NearestT2Target(pub Frontal);
 
 impl SearchTarget for NearestT2Target {
     fn state(&self, force_n: f64, solution: &Solution, nearest: f64) -> PathState {
-        let state = PathState::of_t2(force_n, solution);
-        let gap = Frontal::new(state.t2.y, state.t2.z) - self.0;
-        let rate = Frontal::new(state.t2_rate.y, state.t2_rate.z);
+        let [t2, t2_rate] = t2_of(solution);
+        let gap = Frontal::new(t2.y, t2.z) - self.0;
+        let moves = Frontal::new(t2_rate.y, t2_rate.z);
         // Half the derivative of the squared distance; its own derivative without the curvature of the path.
-        let (value, slope) = (gap.dot(rate), rate.dot(rate).max(f64::MIN_POSITIVE));
-        let met = value.abs() < 1e-10 * slope.sqrt().max(1e-6);
+        let (value, rate) = (gap.dot(moves), moves.dot(moves).max(f64::MIN_POSITIVE));
+        let met = value.abs() < 1e-10 * rate.sqrt().max(1e-6);
         let gap_mm = gap.norm_mm();
         // What a step jumps over lies hardly nearer than a part of the distance now; and once T2 went away, it must come
         // back before its distance can count.
         let travel_mm = (T2_STEP_OF_GAP * gap_mm)
             .max(gap_mm - nearest - T2_TOLERANCE_MM)
             .clamp(T2_STEP_MM, MAX_T2_STEP_MM);
-        let step_n = turn_step(solution).min(travel_mm / slope.sqrt());
-        PathState { value, rate: slope, residual: gap_mm, met, step_n, ..state }
+        let step_n = turn_step(solution).min(travel_mm / rate.sqrt());
+        PathState { force_n, value, rate, exact: false, residual: gap_mm, met, step_n, t2, t2_rate }
     }
 
     fn residual(mm: f64) -> Residual {
@@ -165,22 +158,6 @@ pub(super) struct PathState {
 }
 
 impl PathState {
-    /// T2 alone.
-    fn of_t2(force_n: f64, solution: &Solution) -> Self {
-        let top = solution.deformed.midpoints_mm.len() - 1;
-        Self {
-            force_n,
-            value: 0.0,
-            rate: 0.0,
-            exact: false,
-            residual: 0.0,
-            met: false,
-            step_n: 0.0,
-            t2: solution.deformed.midpoints_mm[top],
-            t2_rate: solution.midpoint_rates[0][top],
-        }
-    }
-
     /// Whether the residual still falls along the path in the direction of a sign.
     pub fn falls(&self, sign: f64) -> bool {
         self.value * sign < 0.0
@@ -203,6 +180,12 @@ impl PathState {
             .filter(|secant| !self.exact && *secant > 0.0);
         -self.value / secant.unwrap_or(self.rate)
     }
+}
+
+/// Where T2 is, and its derivative by the force.
+fn t2_of(solution: &Solution) -> [Vec3; 2] {
+    let top = solution.deformed.midpoints_mm.len() - 1;
+    [solution.deformed.midpoints_mm[top], solution.midpoint_rates[0][top]]
 }
 
 /// The force that turns the fastest hinge by a step.
