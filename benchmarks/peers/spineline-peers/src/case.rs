@@ -5,7 +5,8 @@ use spineline::action::{Application, LineOfAction};
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{RegionBounds, Regions};
 use spineline::measure::{
-    AmplitudeEnds, FilmLength, LengthScale, MeasuredVertebra, Noise, Outline, SpacingPlane,
+    AmplitudeEnds, FilmLength, LengthScale, MeasuredVertebra, Noise, Outline, Placement,
+    SpacingPlane,
 };
 use spineline::multibody::{
     Deformed, JointGroups, JointStiffness, Load, SpineModel, StiffnessLibrary,
@@ -188,15 +189,9 @@ impl Case {
         let vertebrae = Level::MODEL
             .into_iter()
             .zip(places.iter().zip(tilts_rad))
-            .map(|(level, (&location, &tilt))| MeasuredVertebra {
-                level,
-                location,
-                tilt: Angle::from_rad(tilt),
-                endplates: None,
-                readings: 1,
-                interpolated: None,
-                program: None,
-                origin: None,
+            .map(|(level, (&location, &tilt))| {
+                let placement = Placement::new(location, Angle::from_rad(tilt));
+                MeasuredVertebra::of_mean(level, placement, 1)
             })
             .collect();
         Outline {

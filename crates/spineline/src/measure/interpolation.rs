@@ -1,6 +1,6 @@
 //! A vertebra that a film does not show, between two that it does.
 
-use super::{Interpolation, MeasuredVertebra, Noise, Outline};
+use super::{Interpolation, MeasuredVertebra, Noise, Outline, Placement};
 use crate::anatomy::{Level, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal};
 
@@ -70,14 +70,7 @@ pub(super) fn interpolate(
         location_sd_mm: sd_mm.max(noise.location_mm),
         tilt_sd: Angle::from_rad(TILT_SD.rad().max(noise.tilt.rad())),
     };
-    MeasuredVertebra {
-        level,
-        location,
-        tilt: tangent.lateral_tilt(),
-        endplates: None,
-        readings: 0,
-        interpolated: Some(interpolation),
-        program: None,
-        origin: None,
-    }
+    let placement = Placement::new(location, tangent.lateral_tilt());
+    let vertebra = MeasuredVertebra::of_mean(level, placement, 0);
+    MeasuredVertebra { interpolated: Some(interpolation), ..vertebra }
 }

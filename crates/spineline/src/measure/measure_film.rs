@@ -130,16 +130,13 @@ fn in_global_frame(
     readings: usize,
     base: &Placement,
 ) -> MeasuredVertebra {
-    MeasuredVertebra {
-        level,
+    let in_global = Placement {
         location: (placement.location - base.location).rotated(-base.tilt),
         tilt: (placement.tilt - base.tilt).wrapped(),
         endplates: placement.endplates.map(|tilts| tilts.against(base.tilt)),
-        readings,
-        interpolated: None,
-        program: placement.program,
-        origin: placement.origin,
-    }
+        ..*placement
+    };
+    MeasuredVertebra::of_mean(level, in_global, readings)
 }
 
 /// The vertebrae of the model on a film, those without landmarks from their neighbours.

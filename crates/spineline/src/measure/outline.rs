@@ -2,7 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::{EndplateTilts, FilmLength, LengthScale, Noise, ProgramNoise, VertebraOrigin};
+use super::{
+    EndplateTilts, FilmLength, LengthScale, Noise, Placement, ProgramNoise, VertebraOrigin,
+};
 use crate::anatomy::{Level, Levels, Posture, named};
 use crate::spatial::{Angle, Frontal};
 
@@ -39,6 +41,13 @@ pub struct MeasuredVertebra {
 }
 
 impl MeasuredVertebra {
+    /// A vertebra with its mean over a number of readings.
+    #[must_use]
+    pub const fn of_mean(level: Level, mean: Placement, readings: usize) -> Self {
+        let Placement { location, tilt, endplates, program, origin } = mean;
+        Self { level, location, tilt, endplates, readings, interpolated: None, program, origin }
+    }
+
     /// The noise of an interpolated vertebra, or the noise that corners found by a program add.
     pub(crate) fn own_noise(&self) -> Option<Noise> {
         let interpolated = self.interpolated.map(|found| (found.location_sd_mm, found.tilt_sd));

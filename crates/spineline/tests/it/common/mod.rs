@@ -291,15 +291,8 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
     let vertebrae = Level::MODEL
         .into_iter()
         .zip(vertebrae)
-        .map(|(level, &(location, tilt))| MeasuredVertebra {
-            level,
-            location,
-            tilt,
-            endplates: None,
-            readings: 1,
-            interpolated: None,
-            program: None,
-            origin: None,
+        .map(|(level, &(location, tilt))| {
+            MeasuredVertebra::of_mean(level, Placement::new(location, tilt), 1)
         })
         .collect();
     Outline {
