@@ -12,7 +12,7 @@ use spineline::multibody::{
     FittedSprings, ForceSign, JointGroups, Statics, StiffnessLibrary, Support, match_amplitude,
 };
 use spineline::personalize::evidence::FilmEvidence;
-use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
+use spineline::personalize::{FitFilm, FitSettings, FitTarget, personalize};
 use spineline::spatial::Angle;
 use spineline_phantom::Scenario;
 
@@ -61,14 +61,8 @@ fn fit(criterion: &mut Criterion) {
             let loads = common::bending_loads(&analysis, LineKind::Inflection);
             let (model, erect) = (&analysis.movement.spine, &analysis.movement.erect().outline);
             let variants: Vec<Vec<Outline>> = (0..16).map(|i| bends(&analysis, i)).collect();
-            let settings = FitSettings {
-                regions: &analysis.movement.regions,
-                target,
-                gauge: Gauge::GeometricMean,
-                support,
-                prior: None,
-                hints: &[],
-            };
+            let shapes = FitSettings::of_shapes(&analysis.movement.regions, support);
+            let settings = FitSettings { target, ..shapes };
             let mut next = 0;
             let name = format!("{support:?}, {target:?}").to_lowercase();
             group.bench_function(name, |bencher| {

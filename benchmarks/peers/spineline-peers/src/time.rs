@@ -11,9 +11,7 @@ use spineline::multibody::{
     SpineModel, Statics, StiffnessLibrary, Support, match_amplitude,
 };
 use spineline::personalize::evidence::FilmEvidence;
-use spineline::personalize::{
-    FitFilm, FitSettings, FitTarget, Gauge, Personalization, personalize,
-};
+use spineline::personalize::{FitFilm, FitSettings, Personalization, personalize};
 use spineline::spatial::{Mat3, Vec3};
 
 use crate::case::Case;
@@ -207,14 +205,7 @@ impl Fit {
             let (outline, load) = &self.films[i];
             FitFilm { outline, evidence: &evidence[i], load: *load }
         });
-        let settings = FitSettings {
-            regions: &self.regions,
-            target: FitTarget::Shape,
-            gauge: Gauge::GeometricMean,
-            support: Support::Free,
-            prior: None,
-            hints: &[],
-        };
+        let settings = FitSettings::of_shapes(&self.regions, Support::Free);
         let (model, erect, groups) = (&self.model, &self.erect, &self.groups);
         let springs = FittedSprings { model, erect, library: &self.library, groups };
         personalize(springs, &films, &settings, None)

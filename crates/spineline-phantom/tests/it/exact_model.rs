@@ -9,9 +9,7 @@ use spineline::multibody::{
     FittedSprings, JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
 };
 use spineline::personalize::evidence::FilmEvidence;
-use spineline::personalize::{
-    FitFilm, FitSettings, FitTarget, Gauge, Personalization, personalize,
-};
+use spineline::personalize::{FitFilm, FitSettings, Personalization, personalize};
 use spineline::spatial::{Angle, Frontal};
 use spineline_phantom::{Readers, Scenario, generate};
 
@@ -65,14 +63,7 @@ impl Patient {
 
     /// Whole shapes with frontal support, without a prior.
     pub fn settings(&self) -> FitSettings<'_> {
-        FitSettings {
-            regions: &self.regions,
-            target: FitTarget::Shape,
-            gauge: Gauge::GeometricMean,
-            support: Support::Frontal,
-            prior: None,
-            hints: &[],
-        }
+        FitSettings::of_shapes(&self.regions, Support::Frontal)
     }
 
     /// Fits the films, and returns the result of `of` on the fit.

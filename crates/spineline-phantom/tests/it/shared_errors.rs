@@ -20,9 +20,7 @@ use spineline::multibody::{
     match_amplitude,
 };
 use spineline::personalize::evidence::FilmEvidence;
-use spineline::personalize::{
-    FitFilm, FitSettings, FitTarget, Gauge, ProfileEnd, identify, personalize,
-};
+use spineline::personalize::{FitFilm, FitSettings, ProfileEnd, identify, personalize};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;
 use spineline_phantom::{Readers, SUBJECTS, Scenario, TrueFilm, generate};
@@ -91,14 +89,7 @@ impl Bent {
             evidence: &evidence[i],
             load: self.loads[&BENDS[i]],
         });
-        let settings = FitSettings {
-            regions: &self.analysis.movement.regions,
-            target: FitTarget::Shape,
-            gauge: Gauge::GeometricMean,
-            support: Support::Free,
-            prior: None,
-            hints: &[],
-        };
+        let settings = FitSettings::of_shapes(&self.analysis.movement.regions, Support::Free);
         let springs = FittedSprings { model: &model, erect, library: &library, groups: &groups };
         let fit = personalize(springs, &films, &settings, None);
         let found = identify(&springs, &films, &settings, &fit).expect("the fit converged");

@@ -19,9 +19,7 @@ use crate::multibody::{FittedSprings, MarchedFilm};
 /// use spineline::action::LineOfAction;
 /// use spineline::analysis::{AnalysisOptions, analyze_movement};
 /// use spineline::multibody::{FittedSprings, JointGroups, Load, StiffnessLibrary, Support};
-/// use spineline::personalize::{
-///     FitFilm, FitSettings, FitTarget, Gauge, personalize,
-/// };
+/// use spineline::personalize::{FitFilm, FitSettings, personalize};
 /// use spineline_phantom::{Readers, Scenario, generate};
 ///
 /// let case = generate(0, Scenario::Rod, &Readers::exact(), 1)?.case;
@@ -33,14 +31,7 @@ use crate::multibody::{FittedSprings, MarchedFilm};
 ///     let evidence = posture.evidence.as_ref().ok_or("no joint rotations")?;
 ///     films.push(FitFilm { outline: &posture.outline, evidence, load: Load::along(line, 0.0) });
 /// }
-/// let settings = FitSettings {
-///     regions: &movement.regions,
-///     target: FitTarget::Shape,
-///     gauge: Gauge::GeometricMean,
-///     support: Support::Free,
-///     prior: None,
-///     hints: &[],
-/// };
+/// let settings = FitSettings::of_shapes(&movement.regions, Support::Free);
 /// let (library, groups) =
 ///     (StiffnessLibrary::default(), JointGroups::regional(&movement.regions));
 /// let erect = &movement.erect().outline;

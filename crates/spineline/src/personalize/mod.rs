@@ -175,7 +175,14 @@ pub struct FitSettings<'a> {
     pub hints: &'a [Start],
 }
 
-impl FitSettings<'_> {
+impl<'a> FitSettings<'a> {
+    /// Whole shapes by ratios of stiffness alone, without a prior and without hints.
+    #[must_use]
+    pub const fn of_shapes(regions: &'a Regions, support: Support) -> Self {
+        let (target, gauge) = (FitTarget::Shape, Gauge::GeometricMean);
+        Self { regions, target, gauge, support, prior: None, hints: &[] }
+    }
+
     /// The same for films whose variance about the model is a factor of the noise's: residuals stay in standard deviations of the
     /// noise, and the variance of the prior is divided by the factor.
     pub(crate) fn weighed(&self, variance_factor: f64) -> Self {

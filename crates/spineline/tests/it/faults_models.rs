@@ -9,7 +9,7 @@ use spineline::multibody::{
     FittedSprings, ForceSign, JointGroups, JointStiffness, Load, PathEnding, Residual, Statics,
     StiffnessError, StiffnessLibrary, Support, amplitude_matches, match_amplitude,
 };
-use spineline::personalize::{FitSettings, FitStatus, FitTarget, Gauge, personalize};
+use spineline::personalize::{FitSettings, FitStatus, personalize};
 use spineline::spatial::{Angle, Frontal};
 use spineline::warning::Step;
 
@@ -228,14 +228,7 @@ fn without_films_there_is_no_fit_and_no_panic() {
     let library = StiffnessLibrary::default();
     let regions = usual_regions();
     let groups = JointGroups::regional(&regions);
-    let settings = FitSettings {
-        regions: &regions,
-        target: FitTarget::Shape,
-        gauge: Gauge::GeometricMean,
-        support: Support::Frontal,
-        prior: None,
-        hints: &[],
-    };
+    let settings = FitSettings::of_shapes(&regions, Support::Frontal);
     let springs =
         FittedSprings { model: &model, erect: &erect, library: &library, groups: &groups };
     let fit = personalize(springs, &[], &settings, None);

@@ -14,7 +14,7 @@ use spineline::multibody::{
     NewtonWork, PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing,
     match_t2,
 };
-use spineline::personalize::{Base, FitSettings, FitTarget, Gauge};
+use spineline::personalize::{Base, FitSettings};
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
 use spineline_phantom::{Readers, Scenario, generate};
 
@@ -151,14 +151,7 @@ fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> Hypothesi
         library: &analysis.options.library,
         groups: &groups,
     };
-    let settings = FitSettings {
-        regions: &analysis.movement.regions,
-        target: FitTarget::Shape,
-        gauge: Gauge::GeometricMean,
-        support: Support::Frontal,
-        prior: None,
-        hints: &[],
-    };
+    let settings = FitSettings::of_shapes(&analysis.movement.regions, Support::Frontal);
     let spine = Spine {
         springs,
         settings,
