@@ -179,13 +179,7 @@ impl MarkedFilm {
                 FilmLandmarks::Corners { image, iliac_crests: self.iliac_crests, readings }
             }
             LandmarkReadings::Placements(readings) => {
-                let (spacing_plane, source) = (SpacingPlane::Unknown, PlacementSource::Vertebrae);
-                FilmLandmarks::Placements {
-                    spacing_plane,
-                    scale_relative_sd: None,
-                    source,
-                    readings,
-                }
+                FilmLandmarks::placed(SpacingPlane::Unknown, readings)
             }
             LandmarkReadings::SurfaceMidlines(readings) => FilmLandmarks::Placements {
                 // A scanner measures the patient.

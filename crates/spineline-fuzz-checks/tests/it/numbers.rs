@@ -5,9 +5,7 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use spineline::analysis::{AnalysisOptions, analyze};
-use spineline::measure::{
-    FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
-};
+use spineline::measure::{FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
 use spineline::multibody::Goal;
 use spineline::response::respond;
 use spineline_files::{
@@ -120,12 +118,7 @@ fn placements() -> String {
         let vertebrae = posture.outline.vertebrae.iter();
         let placed = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt)));
         let reading = Reading { id: ReadingId::new("program", 1), vertebrae: placed.collect() };
-        film.landmarks = FilmLandmarks::Placements {
-            spacing_plane: SpacingPlane::Patient,
-            scale_relative_sd: None,
-            source: PlacementSource::Vertebrae,
-            readings: vec![reading],
-        };
+        film.landmarks = FilmLandmarks::placed(SpacingPlane::Patient, vec![reading]);
     }
     to_text(&CaseFile::from_case(&case))
 }

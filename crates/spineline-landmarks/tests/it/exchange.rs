@@ -7,8 +7,8 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, ImageGeometry, Placement, PlacementSource, Reading, ReadingId,
-    Spacing, SpacingPlane,
+    Corners, Film, FilmLandmarks, ImageGeometry, Placement, Reading, ReadingId, Spacing,
+    SpacingPlane,
 };
 use spineline::spatial::{Angle, Frontal};
 use spineline_landmarks::{
@@ -297,12 +297,7 @@ fn locations_of_another_program_are_read_from_a_table() {
     let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| (level, placement(i)));
     let readings = vec![Reading { id: ReadingId::new("-B", 2), vertebrae: vertebrae.collect() }];
     let mut case = case(ImageSide::Right);
-    let placed = FilmLandmarks::Placements {
-        spacing_plane: SpacingPlane::Unknown,
-        scale_relative_sd: None,
-        source: PlacementSource::Vertebrae,
-        readings,
-    };
+    let placed = FilmLandmarks::placed(SpacingPlane::Unknown, readings);
     case.films = vec![Film::new(Posture::Erect, placed)];
     let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
     let text = std::str::from_utf8(&files[0].bytes).expect("UTF-8");

@@ -6,9 +6,7 @@ use std::collections::BTreeMap;
 use spineline::action::{LineKind, LineOfAction};
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, analyze};
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::{
-    Film, FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
-};
+use spineline::measure::{Film, FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
 use spineline::multibody::{
     BodyLoad, Deformed, GeneralStatics, Goal, Loading, PathOptions, SpineModel, StiffnessLibrary,
     Support, coupled_matrix,
@@ -159,10 +157,7 @@ fn film(posture: Posture, shape: &Deformed) -> Film {
         .map(|(i, &level)| (level, Placement::new(shape.location(i), shape.tilt(i))))
         .collect();
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
-    let (spacing_plane, source) = (SpacingPlane::Patient, PlacementSource::Vertebrae);
-    let landmarks =
-        FilmLandmarks::Placements { spacing_plane, scale_relative_sd: None, source, readings };
-    Film::new(posture, landmarks)
+    Film::new(posture, FilmLandmarks::placed(SpacingPlane::Patient, readings))
 }
 
 /// Fitted and left-out bends: number of results out of two each, and mean location error.

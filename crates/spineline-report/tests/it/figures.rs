@@ -4,9 +4,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::evaluate::Simulation;
-use spineline::measure::{
-    Film, FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
-};
+use spineline::measure::{Film, FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
 use spineline::multibody::{PathEnding, Support};
 use spineline::spatial::{Angle, Frontal};
 use spineline_report::figures::{
@@ -34,13 +32,7 @@ fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
         vertebrae.insert(level, Placement::new(place, Angle::from_deg(tilt)));
     }
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
-    let landmarks = FilmLandmarks::Placements {
-        spacing_plane: SpacingPlane::Patient,
-        scale_relative_sd: None,
-        source: PlacementSource::Vertebrae,
-        readings,
-    };
-    Film::new(posture, landmarks)
+    Film::new(posture, FilmLandmarks::placed(SpacingPlane::Patient, readings))
 }
 
 fn analysis(synthetic: bool, postures: &[Posture]) -> Analysis {

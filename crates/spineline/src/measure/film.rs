@@ -141,6 +141,13 @@ impl ImageGeometry {
 }
 
 impl FilmLandmarks {
+    /// Locations and tilts of vertebrae that were seen; the deviation of their scale is not stated.
+    #[must_use]
+    pub const fn placed(spacing_plane: SpacingPlane, readings: Vec<Reading<Placement>>) -> Self {
+        let source = PlacementSource::Vertebrae;
+        Self::Placements { spacing_plane, scale_relative_sd: None, source, readings }
+    }
+
     /// Observers and repeats of its readings.
     #[must_use]
     pub fn reading_ids(&self) -> Vec<&ReadingId> {

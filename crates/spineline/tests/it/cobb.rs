@@ -8,7 +8,7 @@ use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::{Level, Posture, Region, Side};
 use spineline::clinical::{ClinicalCurve, CobbEnds, EndChoice, EndRule};
 use spineline::measure::{
-    FilmLandmarks, ImageGeometry, Placement, PlacementSource, TiltRule, VertebraLandmarks,
+    FilmLandmarks, ImageGeometry, Placement, Reading, SpacingPlane, TiltRule, VertebraLandmarks,
 };
 use spineline::spatial::Angle;
 use spineline_phantom::{Readers, Scenario};
@@ -144,12 +144,8 @@ fn without_corners_there_is_a_tilt_range_and_no_cobb_angle() {
         let id = readings[0].id.clone();
         let vertebrae = outline.vertebrae.iter();
         let vertebrae = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
-        film.landmarks = FilmLandmarks::Placements {
-            spacing_plane: spineline::measure::SpacingPlane::Patient,
-            scale_relative_sd: None,
-            source: PlacementSource::Vertebrae,
-            readings: vec![spineline::measure::Reading { id, vertebrae }],
-        };
+        let readings = vec![Reading { id, vertebrae }];
+        film.landmarks = FilmLandmarks::placed(SpacingPlane::Patient, readings);
     }
     let without = analyzed(&placed, &on_a_table());
     assert_eq!(without.movement.lenke, None, "Lenke's criteria are Cobb angles");

@@ -7,7 +7,7 @@ use crate::common::{
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
-    Film, FilmLandmarks, PlacementSource, Reading, ReadingId, TiltRule, VertebraLandmarks,
+    Film, FilmLandmarks, Reading, ReadingId, SpacingPlane, TiltRule, VertebraLandmarks,
     judge_landmarks, judge_reading,
 };
 use spineline::spatial::{Angle, Pixel};
@@ -255,13 +255,7 @@ fn films_with_placements_have_no_corners_to_judge() {
     let film = exact_case(0).films.remove(0);
     let readings =
         spineline::measure::measure_readings(&film, TiltRule::default()).expect("a sound film");
-    let spacing_plane = spineline::measure::SpacingPlane::Patient;
-    let landmarks = FilmLandmarks::Placements {
-        spacing_plane,
-        scale_relative_sd: None,
-        source: PlacementSource::Vertebrae,
-        readings,
-    };
+    let landmarks = FilmLandmarks::placed(SpacingPlane::Patient, readings);
     let film = Film { landmarks, ..film };
     assert!(judge_landmarks(&film).all().is_empty());
 }

@@ -2,9 +2,7 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture, Region};
-use spineline::measure::{
-    Corners, FilmLandmarks, Placement, PlacementSource, Reading, SpacingPlane,
-};
+use spineline::measure::{Corners, FilmLandmarks, Placement, Reading, SpacingPlane};
 use spineline::personalize::StiffnessBound;
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::{
@@ -297,12 +295,8 @@ fn placed(case: &Case) -> Case {
         let vertebrae = posture.outline.vertebrae.iter();
         let vertebrae = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
         let id = spineline::measure::ReadingId::new("program", 1);
-        film.landmarks = FilmLandmarks::Placements {
-            spacing_plane: SpacingPlane::Patient,
-            scale_relative_sd: None,
-            source: PlacementSource::Vertebrae,
-            readings: vec![Reading { id, vertebrae }],
-        };
+        let readings = vec![Reading { id, vertebrae }];
+        film.landmarks = FilmLandmarks::placed(SpacingPlane::Patient, readings);
     }
     placed
 }

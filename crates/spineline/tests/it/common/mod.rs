@@ -15,8 +15,8 @@ use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
 use spineline::measure::{
     Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, LengthScale, MeasuredVertebra,
-    Noise, Outline, Placement, PlacementSource, Reading, ReadingId, Spacing, SpacingPlane,
-    TiltRule, VertebraLandmarks, measure_film,
+    Noise, Outline, Placement, Reading, ReadingId, Spacing, SpacingPlane, TiltRule,
+    VertebraLandmarks, measure_film,
 };
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -237,13 +237,7 @@ pub fn placement_film(
         .map(|(level, location, tilt)| (level, Placement::new(location, tilt)))
         .collect();
     let reading = Reading { id: ReadingId::new("A", 1), vertebrae };
-    let landmarks = FilmLandmarks::Placements {
-        spacing_plane: SpacingPlane::Patient,
-        scale_relative_sd: None,
-        source: PlacementSource::Vertebrae,
-        readings: vec![reading],
-    };
-    Film::new(posture, landmarks)
+    Film::new(posture, FilmLandmarks::placed(SpacingPlane::Patient, vec![reading]))
 }
 
 /// A film of vertebrae that stand on the graph `y(z)` at equal heights; `shape` gives `y` and `dy/dz`.
