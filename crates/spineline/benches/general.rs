@@ -16,7 +16,7 @@ use spineline_phantom::Scenario;
 fn loadings() -> Vec<(&'static str, Loading)> {
     let push = Vec3::new(0.0, 40.0, -10.0);
     let line = BodyLoad::ForceOnLine { force_n: push, point_mm: Vec3::new(0.0, 0.0, 350.0) };
-    let at_t2 = BodyLoad::ForceAtPoint { force_n: push, point_in_vertebra_mm: Vec3::zeros() };
+    let at_t2 = BodyLoad::at_midpoint(push);
     let follower =
         BodyLoad::FollowerForce { force_in_vertebra_n: push, point_in_vertebra_mm: Vec3::zeros() };
     let pad = BodyLoad::Pad {

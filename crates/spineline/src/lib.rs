@@ -95,12 +95,9 @@
 //! let line = analysis.model(LineKind::Inflection).ok_or("the line has no model")?;
 //! let model = analysis.personalised_model(line);
 //! // A push of one unit of force to the patient's left at the midpoint of the highest vertebra.
-//! let push = BodyLoad::ForceAtPoint {
-//!     force_n: Vec3::new(0.0, 1.0, 0.0),
-//!     point_in_vertebra_mm: Vec3::zeros(),
-//! };
-//! let load = LoadItem { vertebra: model.levels.len() - 1, load: push, timing: Timing::default() };
-//! let response = model.simulate(&Loading { items: vec![load], rods: Vec::new() }, Goal::FullLoad)?;
+//! let push = BodyLoad::at_midpoint(Vec3::new(0.0, 1.0, 0.0));
+//! let loading = Loading::single(model.levels.len() - 1, push);
+//! let response = model.simulate(&loading, Goal::FullLoad)?;
 //! let shape = response.shape().ok_or("no equilibrium within the limits")?;
 //! let (before, after) = (&model.spine.midpoints_mm, &shape.midpoints_mm);
 //! assert!(after.last().zip(before.last()).is_some_and(|(new, old)| new.y > old.y));

@@ -79,9 +79,7 @@ impl Case {
         let force_n = self.direction * force_n;
         match self.application {
             Application::Fixed => BodyLoad::ForceOnLine { force_n, point_mm: self.point_mm },
-            Application::AtT2 => {
-                BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() }
-            }
+            Application::AtT2 => BodyLoad::at_midpoint(force_n),
         }
     }
 }

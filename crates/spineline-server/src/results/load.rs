@@ -110,8 +110,7 @@ fn equilibrium(
         .map_err(|error| {
             Failure::refused(error.to_string()).help("read the notices of the model")
         })?;
-    let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
-    let loading = Loading::single(vertebra, load);
+    let loading = Loading::single(vertebra, BodyLoad::at_midpoint(force_n));
     let response =
         respond(&statics, &loading, Goal::FullLoad, 1.0, &mut |_, _| ControlFlow::Continue(()))
             .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;

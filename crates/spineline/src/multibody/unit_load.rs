@@ -1,6 +1,6 @@
 //! A load of unit size on one vertebra, as the components of a load have them.
 
-use super::{BodyLoad, LoadItem, Timing};
+use super::{BodyLoad, LoadItem};
 use crate::spatial::{Angle, Vec3, rotation_x};
 
 /// A load of unit size on one vertebra, in `G`.
@@ -20,10 +20,6 @@ pub(crate) enum UnitKind {
     Couple { moment: f64 },
 }
 
-fn item(vertebra: usize, load: BodyLoad) -> LoadItem {
-    LoadItem { vertebra, load, timing: Timing::Proportional }
-}
-
 impl UnitLoad {
     /// The load times a factor, seen from a base that is turned by an angle about +X.
     pub fn item(&self, times: f64, base: Angle) -> LoadItem {
@@ -32,15 +28,12 @@ impl UnitLoad {
             UnitKind::OnLine { point_mm, force } => {
                 BodyLoad::ForceOnLine { force_n: seen * force * times, point_mm: seen * point_mm }
             }
-            UnitKind::AtMidpoint { force } => BodyLoad::ForceAtPoint {
-                force_n: seen * force * times,
-                point_in_vertebra_mm: Vec3::zeros(),
-            },
+            UnitKind::AtMidpoint { force } => BodyLoad::at_midpoint(seen * force * times),
             UnitKind::Couple { moment } => {
                 BodyLoad::Moment { moment_nmm: Vec3::x() * moment * times }
             }
         };
-        item(self.vertebra, load)
+        LoadItem::proportional(self.vertebra, load)
     }
 
     /// Its size as a force: a moment counts as a pair of forces at the distance `apart_mm`.
@@ -55,20 +48,19 @@ impl UnitLoad {
     pub fn turned_items(&self, times: f64, base: Angle) -> Vec<LoadItem> {
         let seen = rotation_x(-base);
         let back = |v: &Vec3| -Vec3::x().cross(v);
-        match self.kind {
+        let loads = match self.kind {
             UnitKind::OnLine { point_mm, force } => {
                 let (point, force) = (seen * point_mm, seen * force * times);
                 let turned = BodyLoad::ForceOnLine { force_n: back(&force), point_mm: point };
                 let moved = BodyLoad::Moment { moment_nmm: back(&point).cross(&force) };
-                vec![item(self.vertebra, turned), item(self.vertebra, moved)]
+                vec![turned, moved]
             }
             UnitKind::AtMidpoint { force } => {
-                let force_n = back(&(seen * force * times));
-                let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
-                vec![item(self.vertebra, load)]
+                vec![BodyLoad::at_midpoint(back(&(seen * force * times)))]
             }
             UnitKind::Couple { .. } => Vec::new(),
-        }
+        };
+        loads.into_iter().map(|load| LoadItem::proportional(self.vertebra, load)).collect()
     }
 
     /// Moment about a joint, where a film shows the vertebrae; zero for a joint above.

@@ -2,7 +2,7 @@ use super::{CurveChange, OnSignedPoint, erect_shape, measure_angles, respond};
 use crate::anatomy::Side;
 use crate::clinical::CurvePlaces;
 use crate::multibody::{
-    BodyLoad, Deformed, GeneralStatics, Goal, LoadItem, Loading, LoadingError, PathEnding, Timing,
+    BodyLoad, Deformed, GeneralStatics, Goal, LoadItem, Loading, LoadingError, PathEnding,
 };
 use crate::spatial::{Angle, Vec3};
 
@@ -138,13 +138,8 @@ pub fn try_pad(
     on_point: OnSignedPoint<'_>,
 ) -> Result<PadEffect, LoadingError> {
     let force_n = trial.direction() * trial.force_n;
-    let push = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
     let mut loading = others.loading.clone();
-    loading.items.push(LoadItem {
-        vertebra: trial.vertebra,
-        load: push,
-        timing: Timing::Proportional,
-    });
+    loading.items.push(LoadItem::proportional(trial.vertebra, BodyLoad::at_midpoint(force_n)));
     let response = respond(statics, &loading, Goal::FullLoad, 1.0, on_point)?;
     let erect = erect_shape(statics.model());
     let reached = response.result().map(|result| {

@@ -204,10 +204,7 @@ pub type OnSignedPoint<'o> = &'o mut dyn FnMut(ForceSign, &PathPoint) -> Control
 /// let springs = vec![Mat3::from_diagonal(&Vec3::new(1.5e5, 1.5e5, 3e5)); model.joints.len()];
 /// let statics = GeneralStatics::new(&model, springs.clone(), Support::Free)?;
 /// // 10 N at T2 to the patient's left, increased until the lateral tilt is 20° left.
-/// let push = BodyLoad::ForceAtPoint {
-///     force_n: Vec3::new(0.0, 10.0, 0.0),
-///     point_in_vertebra_mm: Vec3::zeros(),
-/// };
+/// let push = BodyLoad::at_midpoint(Vec3::new(0.0, 10.0, 0.0));
 /// let loading = Loading::single(model.joints.len(), push);
 /// let goal = Goal::LateralTilt(Angle::from_deg(-20.0));
 /// let most = largest_factor(&model, &springs, &loading);

@@ -2,9 +2,8 @@
 
 use spineline::anatomy::Levels;
 use spineline::multibody::{
-    BodyLoad, GeneralStatics, Goal, JointGroups, LoadItem, Loading, Parameter, PathOptions,
-    Solution, SpineModel, Statics, StiffnessLibrary, StiffnessTable, Support, Timing, Wrench,
-    coupled_matrix,
+    BodyLoad, GeneralStatics, Goal, JointGroups, Loading, Parameter, PathOptions, Solution,
+    SpineModel, Statics, StiffnessLibrary, StiffnessTable, Support, Wrench, coupled_matrix,
 };
 use spineline::spatial::{Mat3, Vec3};
 
@@ -168,10 +167,7 @@ fn the_general_solver_finds_the_same_shape() {
     let wrench = top_wrench(&model, force_n);
     // The same wrench, fixed in space: a force through a point that does not move.
     let load = BodyLoad::ForceOnLine { point_mm: model.midpoints_mm[14], force_n: wrench.force_n };
-    let loading = Loading {
-        items: vec![LoadItem { vertebra: 14, load, timing: Timing::Proportional }],
-        rods: Vec::new(),
-    };
+    let loading = Loading::single(14, load);
     let path = general.follow(&loading, Goal::FullLoad, &PathOptions::default()).expect("sound");
     let found = &path.result().expect("an equilibrium").deformed;
     for (one, other) in found.midpoints_mm.iter().zip(&marched.midpoints_mm) {

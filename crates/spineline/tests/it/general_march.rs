@@ -1,18 +1,16 @@
 //! The general solver against the march, where both apply.
 
+use crate::common::chain::{loads, proportional};
+use crate::common::everything::draw_vector;
 use crate::common::{Draw, spine};
 use spineline::multibody::{
-    BodyLoad, GeneralStatics, Goal, LoadItem, Loading, PathEnding, PathOptions, Solution,
-    SpineModel, Statics, Support, Timing, Wrench,
+    BodyLoad, GeneralStatics, Goal, PathEnding, PathOptions, Solution, SpineModel, Statics,
+    Support, Wrench,
 };
 use spineline::spatial::{Mat3, Vec3};
 
 /// Newton's last step is below 1e-9 rad, and the error is its square; the lever is half a metre.
 const AGREE_MM: f64 = 1e-9;
-
-fn draw_vector(draw: &mut Draw, size: f64) -> Vec3 {
-    Vec3::from_fn(|_, _| draw.between(-size, size))
-}
 
 /// One of the 18 erect spines, bent further at every joint.
 fn draw_spine(draw: &mut Draw) -> SpineModel {
@@ -57,14 +55,8 @@ fn newton_and_march_agree() {
         }
         let diagonal = springs.iter().map(|k| Mat3::from_diagonal(&Vec3::from(*k)));
         let general = GeneralStatics::new(&model, diagonal, support).expect("sound springs");
-        let item = |load| LoadItem { vertebra: 14, load, timing: Timing::Proportional };
-        let loading = Loading {
-            items: vec![
-                item(BodyLoad::ForceOnLine { force_n, point_mm }),
-                item(BodyLoad::Moment { moment_nmm }),
-            ],
-            rods: Vec::new(),
-        };
+        let both = [BodyLoad::ForceOnLine { force_n, point_mm }, BodyLoad::Moment { moment_nmm }];
+        let loading = loads(both.map(|load| proportional(14, load)));
         let path =
             general.follow(&loading, Goal::FullLoad, &PathOptions::default()).expect("sound");
         assert_eq!(path.ending, PathEnding::Converged, "trial {trial}");

@@ -1,5 +1,6 @@
 //! Loads and bases beside the paper's line: derivatives, agreement with the march, and what no frame may change.
 
+use crate::common::chain::{dead, proportional};
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Levels, Posture};
@@ -11,8 +12,7 @@ use spineline::hypothesis::{
 use spineline::measure::Outline;
 use spineline::multibody::{
     BodyLoad, FittedSprings, ForceSign, GeneralStatics, JointGroups, Load, LoadItem, Loading,
-    NewtonWork, PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing,
-    match_t2,
+    NewtonWork, PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, match_t2,
 };
 use spineline::personalize::{Base, FitSettings};
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
@@ -25,19 +25,12 @@ fn analysis() -> Analysis {
 
 /// Dead forces on two vertebrae, a line and a moment on T2.
 fn loads(times: [f64; 3]) -> Vec<LoadItem> {
-    let at = |vertebra, load| LoadItem { vertebra, load, timing: Timing::Proportional };
-    let dead = |force_n| BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
+    let (force_n, point_mm) = (Vec3::new(0.0, 8.0, 20.0) * times[1], Vec3::new(-5.0, 14.0, 90.0));
     vec![
-        at(6, dead(Vec3::new(0.0, 12.0, -25.0) * times[0])),
-        at(11, dead(Vec3::new(0.0, -6.0, -30.0) * times[0])),
-        at(
-            14,
-            BodyLoad::ForceOnLine {
-                force_n: Vec3::new(0.0, 8.0, 20.0) * times[1],
-                point_mm: Vec3::new(-5.0, 14.0, 90.0),
-            },
-        ),
-        at(14, BodyLoad::Moment { moment_nmm: Vec3::x() * (2000.0 * times[2]) }),
+        proportional(6, dead(Vec3::new(0.0, 12.0, -25.0) * times[0])),
+        proportional(11, dead(Vec3::new(0.0, -6.0, -30.0) * times[0])),
+        proportional(14, BodyLoad::ForceOnLine { force_n, point_mm }),
+        proportional(14, BodyLoad::Moment { moment_nmm: Vec3::x() * (2000.0 * times[2]) }),
     ]
 }
 
@@ -116,17 +109,11 @@ fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
     let statics =
         GeneralStatics::new(&analysis.movement.spine, springs(&[false; 14], 0.0), Support::Free)
             .expect("sound springs");
-    let unit = LoadItem {
-        vertebra: 14,
-        load: BodyLoad::ForceOnLine {
-            force_n: Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm),
-            point_mm: Vec3::new(0.0, line.point.y_mm, line.point.z_mm),
-        },
-        timing: Timing::Proportional,
-    };
-    let BodyLoad::ForceOnLine { force_n, point_mm } = unit.load else { panic!("a line") };
+    let force_n = Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm);
+    let point_mm = Vec3::new(0.0, line.point.y_mm, line.point.z_mm);
+    let unit = proportional(14, BodyLoad::ForceOnLine { force_n, point_mm });
     let load = BodyLoad::ForceOnLine { force_n: force_n * 60.0, point_mm };
-    let loading = Loading { items: vec![LoadItem { load, ..unit }], rods: Vec::new() };
+    let loading = Loading::single(14, load);
     let mut work = statics.work(&loading).expect("sound loads");
     assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
     let mut landmarks = [false; 14];

@@ -13,12 +13,13 @@ use spineline::measure::{
 };
 use spineline::multibody::{
     BodyLoad, Deformed, GeneralStatics, Goal, LoadItem, Loading, PathOptions, SpineModel,
-    StiffnessLibrary, Support, Timing,
+    StiffnessLibrary, Support,
 };
 use spineline::personalize::Gauge;
 use spineline::spatial::{Angle, Frontal, Mat3, Pixel, Vec3};
 use spineline::warning::WarningCode;
 
+use crate::common::chain::{dead, proportional};
 use crate::common::{case_of, graph_film, spine};
 
 /// Springs alone hold no heavier trunk: a patient's muscles do.
@@ -47,12 +48,7 @@ fn weights_n(levels: Levels, base_tilt: Angle) -> Vec<Vec3> {
 }
 
 fn at_midpoints(forces_n: &[Vec3]) -> Vec<LoadItem> {
-    let item = |(vertebra, &force_n): (usize, &Vec3)| LoadItem {
-        vertebra,
-        load: BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() },
-        timing: Timing::Proportional,
-    };
-    (1..).zip(forces_n).map(item).collect()
+    (1..).zip(forces_n).map(|(vertebra, &force_n)| proportional(vertebra, dead(force_n))).collect()
 }
 
 /// Equilibrium of a spine with the springs of the library, by the general solver.
@@ -108,8 +104,7 @@ fn case(subject: usize) -> Case {
         let in_space = |v: Frontal| Vec3::new(0.0, v.y_mm, v.z_mm);
         let (force_n, point_mm) = (in_space(line.direction) * pull.3, in_space(line.point));
         let load = BodyLoad::ForceOnLine { force_n, point_mm };
-        let item = LoadItem { vertebra: 14, load, timing: Timing::Proportional };
-        film(pull.0, &shape(&model, vec![item]), base_tilt)
+        film(pull.0, &shape(&model, vec![proportional(14, load)]), base_tilt)
     };
     let films = [film(Posture::Erect, &standing, base_tilt)];
     let films = films.into_iter().chain(PULLS.iter().map(pulled)).collect();

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::common::chain::{dead, proportional};
 use crate::common::spine;
 use spineline::anatomy::{Levels, Side};
 use spineline::clinical::CurvePlaces;
@@ -31,8 +32,7 @@ fn load_top(
 }
 
 fn push(model: &SpineModel, springs: &[Mat3], force_n: Vec3, goal: Goal) -> (Loading, Response) {
-    let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
-    load_top(model, springs, load, goal)
+    load_top(model, springs, dead(force_n), goal)
 }
 
 fn springs(model: &SpineModel) -> Vec<Mat3> {
@@ -98,15 +98,7 @@ fn an_existing_lateral_tilt_needs_no_load_and_is_met_once() {
 #[test]
 fn the_largest_factor_scales_with_springs_and_against_loads() {
     let model = spine(0).1;
-    let loading = |n: f64| {
-        Loading::single(
-            14,
-            BodyLoad::ForceAtPoint {
-                force_n: Vec3::new(0.0, n, 0.0),
-                point_in_vertebra_mm: Vec3::zeros(),
-            },
-        )
-    };
+    let loading = |n: f64| Loading::single(14, dead(Vec3::new(0.0, n, 0.0)));
     let springs = springs(&model);
     let soft: Vec<Mat3> = springs.iter().map(|k| k * 0.5).collect();
     // 1500 N for this mean lateral stiffness.
@@ -342,18 +334,13 @@ fn a_pad_beside_other_loads_is_a_load_of_their_plan() {
     let mut go_on = |_, _: &_| ControlFlow::Continue(());
     let places = usual_places(&model);
     let trial = PadTrial { vertebra: 9, towards: Side::Left, force_n: 25.0 };
-    let force = |force_n| BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
     for timing in [Timing::Constant, Timing::Proportional] {
-        let item = LoadItem { vertebra: 14, load: force(Vec3::new(0.0, 3.0, 8.0)), timing };
+        let item = LoadItem { vertebra: 14, load: dead(Vec3::new(0.0, 3.0, 8.0)), timing };
         let traction = Loading { items: vec![item], rods: Vec::new() };
         let others = OtherLoads::new(&statics, traction.clone(), &mut go_on).expect("a result");
         let effect = try_pad(&statics, &others, &places, trial, &mut go_on).expect("a sound load");
         let mut plan = traction.clone();
-        plan.items.push(LoadItem {
-            vertebra: 9,
-            load: spring_of(&effect),
-            timing: Timing::Proportional,
-        });
+        plan.items.push(proportional(9, spring_of(&effect)));
         let [before, after] = [&traction, &plan].map(|loading| {
             let goal = Goal::FullLoad;
             let response = respond(&statics, loading, goal, 1.0, &mut go_on).expect("sound loads");
@@ -367,7 +354,7 @@ fn a_pad_beside_other_loads_is_a_load_of_their_plan() {
             assert!((a - b).deg().abs() < SAME, "{timing:?}: {own:?} {tried:?}");
         }
     }
-    let snapping = Loading::single(14, force(Vec3::new(0.0, 0.0, -1e6)));
+    let snapping = Loading::single(14, dead(Vec3::new(0.0, 0.0, -1e6)));
     let refused = OtherLoads::new(&statics, snapping, &mut go_on).expect_err("no spine bears this");
     assert!(matches!(refused, OtherLoadsError::NoResult { .. }), "{refused}");
 }

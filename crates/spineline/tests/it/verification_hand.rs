@@ -4,6 +4,7 @@ use crate::common::chain::{
     self, constant, dead, equilibrium, follow, loads, pendulum, proportional, root, springs,
     with_rods,
 };
+use crate::common::everything::draw_vector;
 use crate::common::{Draw, assert_near};
 use spineline::multibody::{
     BodyLoad, Loading, PathEnding, PathOptions, Rod, Solution, SpineModel, Statics, Support,
@@ -15,10 +16,6 @@ use spineline::spatial::{Angle, Mat3, Vec3, rotation_x, rotation_y, rotation_z};
 const BALANCED_RAD: f64 = 1e-12;
 const LENGTH_MM: f64 = 100.0;
 const K: f64 = 1e5;
-
-fn draw_vector(draw: &mut Draw, size: f64) -> Vec3 {
-    Vec3::from_fn(|_, _| draw.between(-size, size))
-}
 
 /// Three hinges in series.
 fn turned(angles: &Vec3) -> Mat3 {

@@ -1,6 +1,6 @@
 //! Small loads, and virtual work of all loads at once, for the general solver.
 
-use crate::common::chain::{self, equilibrium, loads, proportional};
+use crate::common::chain::{self, dead, equilibrium, loads, proportional};
 use crate::common::everything::{Problem, draw_spine, draw_springs, draw_vector};
 use crate::common::independent::{Body, Matrix, product, stack, transposed};
 use crate::common::{Draw, assert_near};
@@ -96,8 +96,6 @@ fn small_loads_are_reciprocal() {
     for _ in 0..5 {
         let problem = unloaded(&mut draw);
         let (low, high) = (3, 7);
-        let dead =
-            |force_n| BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
         let (f, g) = (draw_vector(&mut draw, 20.0), draw_vector(&mut draw, 20.0));
         let m = draw_vector(&mut draw, 2000.0);
         let force_force = small_answer(&problem, low, &dead(f), high).0.dot(&g);

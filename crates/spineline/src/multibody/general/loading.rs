@@ -272,8 +272,7 @@ impl Loading {
     /// One load that grows.
     #[must_use]
     pub fn single(vertebra: usize, load: BodyLoad) -> Self {
-        let items = vec![LoadItem { vertebra, load, timing: Timing::Proportional }];
-        Self { items, rods: Vec::new() }
+        Self { items: vec![LoadItem::proportional(vertebra, load)], rods: Vec::new() }
     }
 
     /// The weight of the trunk, slice by slice, of the head and of the arms, as dead forces at the vertebrae's midpoints.
@@ -294,10 +293,7 @@ impl Loading {
         let shares = (1..).zip(trunk_weight_shares(levels));
         shares.map(move |(vertebra, share)| LoadItem {
             vertebra,
-            load: BodyLoad::ForceAtPoint {
-                force_n: down * (body_weight_n * share),
-                point_in_vertebra_mm: Vec3::zeros(),
-            },
+            load: BodyLoad::at_midpoint(down * (body_weight_n * share)),
             timing,
         })
     }
@@ -329,6 +325,12 @@ impl Loading {
 }
 
 impl LoadItem {
+    /// A load that grows.
+    #[must_use]
+    pub const fn proportional(vertebra: usize, load: BodyLoad) -> Self {
+        Self { vertebra, load, timing: Timing::Proportional }
+    }
+
     fn check(&self, model: &SpineModel, last: usize) -> Result<(), LoadingFault> {
         let vertebra = self.vertebra;
         if vertebra == 0 || vertebra > last {
@@ -339,6 +341,12 @@ impl LoadItem {
 }
 
 impl BodyLoad {
+    /// A force of fixed direction at the vertebra's midpoint.
+    #[must_use]
+    pub fn at_midpoint(force_n: Vec3) -> Self {
+        Self::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() }
+    }
+
     fn check(&self, model: &SpineModel, vertebra: usize) -> Result<(), LoadingFault> {
         let finite = |what, vector: &Vec3| {
             if is_finite(vector) { Ok(()) } else { Err(LoadingFault::NotFinite { what }) }

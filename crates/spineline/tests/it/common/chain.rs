@@ -68,7 +68,7 @@ pub fn springs(model: &SpineModel, nmm_per_rad: [f64; 3]) -> Vec<Mat3> {
 }
 
 pub fn proportional(vertebra: usize, load: BodyLoad) -> LoadItem {
-    LoadItem { vertebra, load, timing: Timing::Proportional }
+    LoadItem::proportional(vertebra, load)
 }
 
 pub fn constant(vertebra: usize, load: BodyLoad) -> LoadItem {
@@ -77,7 +77,7 @@ pub fn constant(vertebra: usize, load: BodyLoad) -> LoadItem {
 
 /// A dead force at a vertebra's midpoint.
 pub fn dead(force_n: Vec3) -> BodyLoad {
-    BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() }
+    BodyLoad::at_midpoint(force_n)
 }
 
 pub fn loads(items: impl IntoIterator<Item = LoadItem>) -> Loading {
