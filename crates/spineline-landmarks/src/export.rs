@@ -56,11 +56,8 @@ impl LandmarkTarget<'_> {
     #[must_use]
     pub fn left_out(self, case: &Case) -> Vec<&'static str> {
         let landmarks = || {
-            let corners = case.films.iter().filter_map(|film| match &film.landmarks {
-                FilmLandmarks::Corners { readings, .. } => Some(readings),
-                FilmLandmarks::Placements { .. } => None,
-            });
-            corners.flatten().flat_map(|reading| reading.vertebrae.values())
+            let readings = case.films.iter().flat_map(|film| film.landmarks.corner_readings());
+            readings.flat_map(|reading| reading.vertebrae.values())
         };
         let (axes, confidences) = match self {
             Self::Csv => (false, false),

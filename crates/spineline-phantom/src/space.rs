@@ -170,7 +170,8 @@ pub fn generate_in_space(setup: &SpaceSetup) -> SpacePhantom {
         [&frontal, &lateral].map(|view| marker.read(view, &bodies, setup.habit));
     let crests = marker.crests(&frontal, &bodies[0]);
     let mut film = frontal_film(&frontal, Posture::Erect, from_front, crests);
-    if let (true, FilmLandmarks::Corners { readings, .. }) = (setup.pedicles, &mut film.landmarks) {
+    if setup.pedicles {
+        let readings = film.landmarks.corner_readings_mut();
         for (body, landmark) in bodies.iter().zip(readings[0].vertebrae.values_mut()) {
             let places = frontal.pedicles(body);
             landmark.pedicles = places.map(|place| Some(frontal.pixel(marker.noise(place))));

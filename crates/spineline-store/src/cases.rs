@@ -290,7 +290,7 @@ impl CaseFilm {
 }
 
 fn has_confidences(film: &Film) -> bool {
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return false };
+    let readings = film.landmarks.corner_readings();
     let mut landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
     landmarks.any(|landmark| landmark.confidence.is_some())
 }

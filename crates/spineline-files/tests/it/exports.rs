@@ -4,7 +4,6 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use spineline::analysis::{AnalysisOptions, Case, PersonalisedModel, analyze};
 use spineline::anatomy::Posture;
-use spineline::measure::FilmLandmarks;
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Pixel, Vec3, rotation_x, rotation_y, rotation_z};
 use spineline_files::{ExportError, ExportFormat, export};
@@ -219,10 +218,7 @@ fn mjcf_bodies_have_the_places_of_vertebrae_and_hinges_their_inferior_axes() {
 /// Pedicles of a vertebra that is turned: not in the middle between the sides.
 fn mark_pedicles(case: &mut Case, [left, right]: [f64; 2]) {
     let film = case.films.iter_mut().find(|film| film.posture == Posture::Erect).expect("erect");
-    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
-        panic!("a film with corners");
-    };
-    for landmark in readings[0].vertebrae.values_mut() {
+    for landmark in film.landmarks.corner_readings_mut()[0].vertebrae.values_mut() {
         let corners = landmark.corners;
         let middle =
             |a: Pixel, b: Pixel| [(a.column_px + b.column_px) / 2.0, (a.row_px + b.row_px) / 2.0];

@@ -43,9 +43,7 @@ fn a_case_round_trips() {
 #[test]
 fn confidences_and_estimated_levels_are_kept_in_a_case() {
     let mut case = phantom(&Readers::exact()).case;
-    let FilmLandmarks::Corners { readings, .. } = &mut case.films[0].landmarks else {
-        panic!("phantoms have landmarks")
-    };
+    let readings = case.films[0].landmarks.corner_readings_mut();
     let t5 = readings[0].vertebrae.get_mut(&Level::T5).expect("marked");
     t5.confidence = Some(Corners {
         superior_left: 0.9,
@@ -113,9 +111,7 @@ fn a_shape_of_pixels_round_trips_and_does_not_stand_beside_a_spacing() {
 fn origins_walls_and_deviations_round_trip_and_are_absent_where_all_was_clicked() {
     let mut case = phantom(&Readers::default()).case;
     assert!(!to_text(&CaseFile::from_case(&case)).contains("origins"));
-    let FilmLandmarks::Corners { readings, .. } = &mut case.films[0].landmarks else {
-        panic!("a marked film")
-    };
+    let readings = case.films[0].landmarks.corner_readings_mut();
     let landmark = readings[0].vertebrae.values_mut().next().expect("a vertebra");
     let accepted = Corners::all(Origin::Accepted);
     landmark.origins = Corners { inferior_right: Origin::Adjusted, ..accepted };
@@ -124,13 +120,8 @@ fn origins_walls_and_deviations_round_trip_and_are_absent_where_all_was_clicked(
     let text = to_text(&CaseFile::from_case(&case));
     let again = parse_case(&text).expect("our own file");
     assert_eq!(text, to_text(&CaseFile::from_case(&again)));
-    let FilmLandmarks::Corners { readings: read, .. } = &again.films[0].landmarks else {
-        panic!("a marked film")
-    };
-    let FilmLandmarks::Corners { readings, .. } = &case.films[0].landmarks else {
-        panic!("a marked film")
-    };
-    assert_eq!(read[0].vertebrae.values().next(), readings[0].vertebrae.values().next());
+    let [read, written] = [&again, &case].map(|case| &case.films[0].landmarks.corner_readings()[0]);
+    assert_eq!(read.vertebrae.values().next(), written.vertebrae.values().next());
     // A location and a tilt do not have corners with an origin.
     let mixed = text.replacen("\"accepted\"", "\"guessed\"", 1);
     assert!(parse_case(&mixed).is_err(), "an unknown origin");

@@ -79,7 +79,7 @@ fn pixels_only() -> Case {
 fn hidden_top() -> Case {
     let mut case = rod();
     for film in case.films.iter_mut().filter(|film| film.posture == Posture::Neutral) {
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        let readings = film.landmarks.corner_readings_mut();
         readings.iter_mut().for_each(|one| one.vertebrae.retain(|level, _| *level < Level::T3));
     }
     case

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::{Corners, FilmLandmarks, Origin};
+use spineline::measure::{Corners, Origin};
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, parse_analysis,
     parse_load, parse_model, to_text,
@@ -18,8 +18,7 @@ fn whole() -> Case {
 fn partial() -> Case {
     let mut case = whole();
     for film in &mut case.films {
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
-        for reading in readings {
+        for reading in film.landmarks.corner_readings_mut() {
             reading.vertebrae.retain(|&level, _| match film.posture {
                 Posture::Neutral => level < Level::T3,
                 Posture::LeftBending => level != Level::T8,
@@ -70,7 +69,7 @@ fn an_analysis_file_marks_interpolated_vertebrae_and_has_only_what_is_seen() {
 fn an_analysis_file_states_origins_where_a_person_did_not_click() {
     let mut case = whole();
     for film in case.films.iter_mut().filter(|film| film.posture == Posture::LeftBending) {
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        let readings = film.landmarks.corner_readings_mut();
         for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.iter_mut()) {
             match landmark {
                 (Level::T8, landmark) => landmark.origins = Corners::all(Origin::Adjusted),

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use spineline::analysis::{AnalysisOptions, AxialSource, PersonalisedModel, PitchSource, analyze};
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::{FilmLandmarks, body_widths};
+use spineline::measure::body_widths;
 use spineline::multibody::{StiffnessLibrary, Support};
 use spineline::spatial::Vec3;
 use spineline_files::{ExportFormat, ModelFile, export, parse_model, to_text};
@@ -26,9 +26,7 @@ fn partly_measured() -> String {
     let BentPhantom { erect, .. } = found.expect("a force bends it so far");
     let mut case = erect.case;
     let film = case.films.iter_mut().find(|film| film.posture == Posture::Erect).expect("erect");
-    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
-        panic!("a film with corners");
-    };
+    let readings = film.landmarks.corner_readings_mut();
     for (level, landmark) in readings.iter_mut().flat_map(|reading| &mut reading.vertebrae) {
         if !WITH_PEDICLES.contains(level) {
             landmark.pedicles = [None; 2];

@@ -74,7 +74,7 @@ impl Optional {
 
     /// Whether some vertebra of a film has a value.
     fn is_in(self, film: &Film) -> bool {
-        let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return false };
+        let readings = film.landmarks.corner_readings();
         let mut landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
         landmarks.any(|landmark| self.cells(landmark).iter().any(|cell| !cell.is_empty()))
     }

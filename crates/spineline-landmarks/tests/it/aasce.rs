@@ -113,10 +113,7 @@ fn films(rows: &[AasceRow]) -> BTreeMap<usize, Film> {
 /// The film with one corner of one vertebra moved by a part of its body's diagonal.
 fn moved(film: &Film, (body, corner): (usize, usize), part: f64, direction: f64) -> Film {
     let mut film = film.clone();
-    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
-        panic!("corners are marked")
-    };
-    let all = &mut readings[0].vertebrae;
+    let all = &mut film.landmarks.corner_readings_mut()[0].vertebrae;
     let level = *all.keys().nth(body % all.len()).expect("a vertebra");
     let corners = &mut all.get_mut(&level).expect("marked").corners;
     let apart = |a: Pixel, b: Pixel| (a.column_px - b.column_px).hypot(a.row_px - b.row_px);

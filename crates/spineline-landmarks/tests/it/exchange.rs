@@ -174,10 +174,7 @@ fn a_list_in_the_patients_frame_is_converted_to_pixels() {
     for side in SIDES {
         let case = case(side);
         let film = &case.films[0];
-        let (image, FilmLandmarks::Corners { readings, .. }) = (image(film), &film.landmarks)
-        else {
-            panic!("corners");
-        };
+        let (image, readings) = (image(film), film.landmarks.corner_readings());
         let names = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
         let mut points = Vec::new();
         for (level, landmark) in &readings[0].vertebrae {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use proptest::prelude::*;
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{CornerFault, FilmLandmarks, ImageGeometry, MeasureFault};
+use spineline::measure::{CornerFault, ImageGeometry, MeasureFault};
 use spineline::spatial::Angle;
 use spineline_landmarks::{
     LandmarkError, LandmarkHint, LandmarkReadings, LandmarkTarget, MAX_ROWS, export_landmarks,
@@ -182,7 +182,7 @@ fn an_axis_of_more_than_half_a_turn_in_a_report_is_refused() {
     let image = exchange::image(film);
     let source = exchange::source((image.columns, image.rows), film.posture);
     let sources = BTreeMap::from([(film.posture, source)]);
-    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { panic!("corners") };
+    let readings = film.landmarks.corner_readings_mut();
     let l4 = readings[0].vertebrae.get_mut(&Level::L4).expect("marked");
     l4.axis_clockwise = Some(Angle::from_deg(200.0));
     let target =

@@ -17,8 +17,7 @@ use crate::exchange::{case, image, read_back, source, without_axes};
 fn proposed() -> Case {
     let mut case = without_axes(case(ImageSide::Right));
     for film in &mut case.films {
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
-        for reading in readings {
+        for reading in film.landmarks.corner_readings_mut() {
             let mut change = |level: Level, change: &dyn Fn(&mut VertebraLandmarks)| {
                 change(reading.vertebrae.get_mut(&level).expect("all levels are marked"));
             };

@@ -1,7 +1,6 @@
 //! Counter-examples move as stated, and readers of one phantom differ only in the size of their errors.
 
 use spineline::anatomy::Posture;
-use spineline::measure::FilmLandmarks;
 use spineline::spatial::{Angle, Pixel};
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate, generate_read};
 
@@ -26,11 +25,8 @@ fn rough(corner_sd_mm: f64) -> Readers {
 }
 
 fn corners(phantom: &Phantom) -> Vec<Pixel> {
-    let landmarks = phantom.case.films.iter().flat_map(|film| match &film.landmarks {
-        FilmLandmarks::Corners { readings, .. } => &readings[..],
-        FilmLandmarks::Placements { .. } => &[],
-    });
-    landmarks
+    let readings = phantom.case.films.iter().flat_map(|film| film.landmarks.corner_readings());
+    readings
         .flat_map(|r| r.vertebrae.values())
         .flat_map(|landmark| landmark.corners.points())
         .collect()

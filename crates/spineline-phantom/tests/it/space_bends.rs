@@ -89,11 +89,8 @@ fn analysis(phantom: &BentPhantom, way: &Way) -> Analysis {
     let mut case = phantom.erect.case.clone();
     if !way.in_space {
         case.lateral = None;
-        if let spineline::measure::FilmLandmarks::Corners { readings, .. } =
-            &mut case.films[0].landmarks
-        {
-            readings[0].vertebrae.values_mut().for_each(|landmark| landmark.pedicles = [None; 2]);
-        }
+        let readings = case.films[0].landmarks.corner_readings_mut();
+        readings[0].vertebrae.values_mut().for_each(|landmark| landmark.pedicles = [None; 2]);
     }
     let options = AnalysisOptions {
         support: way.support,

@@ -88,10 +88,7 @@ impl<'a> Displayed<'a> {
     }
 
     pub fn marks(&self) -> impl Iterator<Item = (&'a Level, &'a VertebraLandmarks)> {
-        let readings = match &self.film.landmarks {
-            FilmLandmarks::Corners { readings, .. } => &readings[..],
-            FilmLandmarks::Placements { .. } => &[],
-        };
+        let readings = self.film.landmarks.corner_readings();
         readings.iter().flat_map(|reading| &reading.vertebrae)
     }
 

@@ -6,7 +6,6 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, Subject};
 use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient};
-use spineline::measure::FilmLandmarks;
 use spineline::multibody::PathEnding;
 use spineline::number::fixed;
 use spineline::reliability::{RatedQuantity, assess};
@@ -92,10 +91,7 @@ fn a_doubted_film_and_a_shorter_chain_are_named() {
     left.expect("a bend").landmarks = landmarks;
     for film in &mut case.films {
         let is_left = film.posture == Posture::LeftBending;
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
-            panic!("phantoms have corners")
-        };
-        for reading in readings {
+        for reading in film.landmarks.corner_readings_mut() {
             reading.vertebrae.retain(|level, _| *level <= Level::T4);
             // Equal landmarks would be refused, so the film lies a little lower on its picture.
             for body in reading.vertebrae.values_mut().filter(|_| is_left) {
@@ -175,10 +171,7 @@ fn a_kind_of_film_without_results_says_so_in_place_of_an_empty_panel() {
 fn figures_of_a_shorter_chain_name_its_own_base() {
     let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
     for film in &mut case.films {
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
-            panic!("phantoms have corners")
-        };
-        for reading in readings {
+        for reading in film.landmarks.corner_readings_mut() {
             reading.vertebrae.retain(|level, _| (Level::L3..=Level::T4).contains(level));
         }
     }

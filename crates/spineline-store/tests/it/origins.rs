@@ -1,7 +1,7 @@
 //! How corners came about: from a reader's clicks to a case file and back into a store.
 
 use spineline::anatomy::{Level, Posture, Side};
-use spineline::measure::{Corners, FilmLandmarks, Origin};
+use spineline::measure::{Corners, Origin};
 use spineline_store::{
     AcceptedVertebra, Corner, Event, NewCase, Next, PlanDesign, ReadingId, Store, StoreError, Study,
 };
@@ -79,9 +79,7 @@ fn origins_and_walls_reach_the_case_and_another_store() {
     store.finish_reading(reading, revision, &by("A", 4)).expect("the end");
     let text = store.export_case(&name("S-1")).expect("a case").text;
     let case = spineline_files::parse_case(&text).expect("its own file");
-    let FilmLandmarks::Corners { readings, .. } = &case.films[0].landmarks else {
-        panic!("a marked film")
-    };
+    let readings = case.films[0].landmarks.corner_readings();
     let t9 = &readings[0].vertebrae[&Level::T9];
     let accepted = Corners::all(Origin::Accepted);
     assert_eq!(t9.origins, Corners { inferior_left: Origin::Adjusted, ..accepted });

@@ -118,11 +118,8 @@ fn a_correction_replaces_the_reading_when_it_is_finished() {
     // Until the end, the corrected reading counts; beside its correction it does not.
     let in_hand = CaseReadings::InHand { reading: correction, pending: &[] };
     let compared = store.current_case(&name(STUDY), in_hand).expect("a case").compared;
-    let spineline::measure::FilmLandmarks::Corners { readings, .. } =
-        compared.expect("a frontal film").film.landmarks
-    else {
-        panic!("landmarks")
-    };
+    let film = compared.expect("a frontal film").film;
+    let readings = film.landmarks.corner_readings();
     assert_eq!((readings.len(), exported(&store)[0].2[0].as_f64()), (1, Some(400.25)));
 
     let (level, corner) = (Level::L4, Corner::SuperiorLeft);

@@ -7,7 +7,7 @@ use parquet::record::Field;
 use spineline::analysis::{AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::hypothesis::{Hypothesis, LoadShape};
-use spineline::measure::{Corners, FilmLandmarks, Origin};
+use spineline::measure::{Corners, Origin};
 use spineline::spatial::Angle;
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline::warning::WarningCode;
@@ -143,8 +143,7 @@ fn a_lateral_film_adds_the_vertebrae_in_space() {
 fn a_vertebra_has_the_origin_of_its_corners() {
     let mut case = case(0);
     for film in &mut case.films {
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
-        for reading in readings {
+        for reading in film.landmarks.corner_readings_mut() {
             for (level, landmark) in &mut reading.vertebrae {
                 match level {
                     Level::T8 => landmark.origins = Corners::all(Origin::Adjusted),

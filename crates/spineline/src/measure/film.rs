@@ -148,6 +148,23 @@ impl FilmLandmarks {
         Self::Placements { spacing_plane, scale_relative_sd: None, source, readings }
     }
 
+    /// Readings of corners; a film of placements does not have them.
+    #[must_use]
+    pub fn corner_readings(&self) -> &[Reading<VertebraLandmarks>] {
+        match self {
+            Self::Corners { readings, .. } => readings,
+            Self::Placements { .. } => &[],
+        }
+    }
+
+    /// Readings of corners, to change them.
+    pub fn corner_readings_mut(&mut self) -> &mut [Reading<VertebraLandmarks>] {
+        match self {
+            Self::Corners { readings, .. } => readings,
+            Self::Placements { .. } => &mut [],
+        }
+    }
+
     /// Observers and repeats of its readings.
     #[must_use]
     pub fn reading_ids(&self) -> Vec<&ReadingId> {

@@ -108,8 +108,9 @@ impl FilmFrame {
 /// Centres of the superior and the inferior endplate of a vertebra in `G`, mean over the readings that marked it.
 #[must_use]
 pub fn endplate_centres(film: &Film, frame: &FilmFrame, level: Level) -> Option<[Frontal; 2]> {
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return None };
-    let bodies: Vec<_> = readings
+    let bodies: Vec<_> = film
+        .landmarks
+        .corner_readings()
         .iter()
         .filter_map(|reading| reading.vertebrae.get(&level))
         .map(|landmark| landmark.corners.map(|corner| frame.point(corner)))

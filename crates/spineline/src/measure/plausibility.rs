@@ -89,16 +89,15 @@ pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings
 /// Warnings about the landmarks of a frontal film, of whichever vertebrae: those that an analysis of the film gives too.
 ///
 /// ```
-/// use spineline::measure::{FilmLandmarks, judge_landmarks};
+/// use spineline::measure::judge_landmarks;
 /// use spineline::anatomy::Level;
 /// use spineline::warning::WarningCode;
 /// use spineline_phantom::{Readers, Scenario, generate};
 ///
 /// let mut film = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case.films.remove(0);
 /// assert!(judge_landmarks(&film).all().is_empty());
-/// if let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks
-///     && let Some(body) = readings[0].vertebrae.get_mut(&Level::T8)
-/// {
+/// let reading = &mut film.landmarks.corner_readings_mut()[0];
+/// if let Some(body) = reading.vertebrae.get_mut(&Level::T8) {
 ///     body.corners.superior_left.column_px += 150.0;
 /// }
 /// assert!(judge_landmarks(&film).has(WarningCode::CornerFarFromNeighbours));

@@ -1,6 +1,6 @@
 //! Coordinates that a spreadsheet has rounded for display.
 
-use super::{Film, FilmLandmarks, Reading, VertebraLandmarks};
+use super::{Film, Reading, VertebraLandmarks};
 use crate::spatial::Pixel;
 use crate::warning::{WarningCode, Warnings};
 
@@ -11,8 +11,7 @@ const THREE_DIGITS_PX: f64 = 1000.0;
 
 /// Warns of readings whose columns or rows are whole tens: all of them, or all from 1000 on.
 pub(super) fn warn_of_rounding(film: &Film, warnings: &mut Warnings) {
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return };
-    for reading in readings {
+    for reading in film.landmarks.corner_readings() {
         let columns = whole_tens(reading, |place| place.column_px);
         let rows = whole_tens(reading, |place| place.row_px);
         for (direction, found) in [("columns", columns), ("rows", rows)] {
@@ -43,7 +42,7 @@ mod tests {
 
     use super::*;
     use crate::anatomy::{ImageSide, Level, Posture};
-    use crate::measure::{Corners, ImageGeometry, ReadingId, judge_landmarks};
+    use crate::measure::{Corners, FilmLandmarks, ImageGeometry, ReadingId, judge_landmarks};
 
     /// A straight spine of a film 2500 pixels high, whose coordinates were changed.
     fn film(change: fn(f64) -> f64) -> Film {

@@ -399,8 +399,7 @@ fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
 fn pooled_axes(case: &Case) -> Option<Angle> {
     let mut pool = ReadingSquares::default();
     for film in &case.films {
-        let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { continue };
-        for landmarks in by_level(readings).values() {
+        for landmarks in by_level(film.landmarks.corner_readings()).values() {
             let axes: Vec<(&str, Angle)> = landmarks
                 .iter()
                 .filter_map(|(observer, landmark)| Some((*observer, landmark.axis_clockwise?)))

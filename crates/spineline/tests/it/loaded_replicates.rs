@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::Posture;
-use spineline::measure::{CornerName, FilmLandmarks};
+use spineline::measure::CornerName;
 use spineline::multibody::{
     BodyLoad, GeneralStatics, Goal, LoadItem, Loading, Rod, Support, Timing,
 };
@@ -129,19 +129,12 @@ fn derivatives(case: &Case, of: impl Fn(&Analysis) -> [f64; 3]) -> Vec<[f64; 3]>
     const STEP_PX: f64 = 0.02;
     let mut all = Vec::new();
     for film in 0..case.films.len() {
-        let FilmLandmarks::Corners { readings, .. } = &case.films[film].landmarks else {
-            panic!("phantoms have corners")
-        };
-        for &level in readings[0].vertebrae.keys() {
+        for &level in case.films[film].landmarks.corner_readings()[0].vertebrae.keys() {
             for corner in CornerName::ALL {
                 for is_column in [true, false] {
                     let moved = |by_px: f64| {
                         let mut case = case.clone();
-                        let FilmLandmarks::Corners { readings, .. } =
-                            &mut case.films[film].landmarks
-                        else {
-                            unreachable!("as above")
-                        };
+                        let readings = case.films[film].landmarks.corner_readings_mut();
                         let body = readings[0].vertebrae.get_mut(&level).expect("a vertebra");
                         let place = corner.of_mut(&mut body.corners);
                         if is_column {

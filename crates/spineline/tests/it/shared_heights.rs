@@ -36,9 +36,7 @@ fn below(line: &HeightLine, place: Pixel) -> f64 {
 
 /// Takes a vertebra from a film.
 fn remove(case: &mut Case, on: On, level: Level) {
-    let FilmLandmarks::Corners { readings, .. } = &mut case.films[0].landmarks else {
-        panic!("corners")
-    };
+    let readings = case.films[0].landmarks.corner_readings_mut();
     let lateral = case.lateral.as_mut().expect("a lateral film");
     let taken = match on {
         On::Erect => readings[0].vertebrae.remove(&level).is_some(),

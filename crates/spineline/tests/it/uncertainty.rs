@@ -60,9 +60,7 @@ fn replicates_may_be_computed_in_any_order_and_from_any_order_of_readings() {
     let mut turned = case.clone();
     turned.films.reverse();
     for film in &mut turned.films {
-        if let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks {
-            readings.reverse();
-        }
+        film.landmarks.corner_readings_mut().reverse();
     }
     let other = MonteCarlo::new(&turned, &nominal, LandmarkNoise::Measured, 7).expect("as before");
     assert_eq!(other.replicate(2), one_by_one[2]);

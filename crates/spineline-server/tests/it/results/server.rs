@@ -76,10 +76,7 @@ pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, F
 pub fn add_read_study(store: &mut Store, study: &str, case: &Case) {
     for (posture, film) in add_study(store, study, case) {
         let marked = case.films.iter().find(|film| film.posture == posture).expect("its film");
-        let FilmLandmarks::Corners { readings, .. } = &marked.landmarks else {
-            panic!("landmarks")
-        };
-        for reading in readings {
+        for reading in marked.landmarks.corner_readings() {
             let by = by(&reading.id.observer);
             let begun = store.begin_reading(film, reading.id.repeat, &by).expect("a new reading");
             let count = record(store, begun, &events(marked, reading), &by);
@@ -132,8 +129,7 @@ pub fn vertebra(level: Level, landmark: &VertebraLandmarks) -> Vec<Event> {
 /// The only reading of a film of a case.
 pub fn reading_of(case: &Case, posture: Posture) -> (&Film, &Reading<VertebraLandmarks>) {
     let film = case.films.iter().find(|film| film.posture == posture).expect("its film");
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("landmarks") };
-    (film, &readings[0])
+    (film, &film.landmarks.corner_readings()[0])
 }
 
 /// Checks that no list of numbers contains null, which JSON writes for values that are not numbers.
