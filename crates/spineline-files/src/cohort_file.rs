@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use spineline::anatomy::Posture;
+use spineline::action::LineKind;
+use spineline::analysis::FilmRole;
+use spineline::anatomy::Level;
 use spineline::cohort::{
     BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, ComparisonOutcome, DoubtedFilm,
-    LineOutcomes, LinePairTest, MissingResult, OutcomeCounts, PairedComparison, RefusedCase,
-    RoleErrors,
+    ErrorKind, LineOutcomes, LinePairTest, MissingResult, OutcomeCounts, PairedComparison,
+    RefusedCase, RoleErrors,
 };
 use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
-use spineline::warning::WarningCode;
 
 use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
@@ -51,7 +52,7 @@ pub struct CohortFile {
     /// By line and role, over the films on which the line has a result. Lines are compared by `tests` alone.
     errors: Vec<ErrorsRecord>,
     /// Films on which a line has no result, once per such line.
-    films_without_result: Vec<MissingRecord>,
+    films_without_result: Vec<MissingResult>,
     /// By pair of lines, role and error.
     tests: Vec<TestRecord>,
     /// Predictions without mechanics, by pattern of joint rotations and role.
@@ -61,7 +62,7 @@ pub struct CohortFile {
     /// Other loads and bases against them, likewise; a separate family of tests.
     hypothesis_tests: Vec<BaselineTestRecord>,
     /// Films that may not show what they are named after.
-    doubted_films: Vec<DoubtedRecord>,
+    doubted_films: Vec<DoubtedFilm>,
     /// The vertebrae of the patients' models; results of different ones are not comparable.
     chains: Vec<ChainRecord>,
     /// By line that is not fitted to the films: how the tests of a single force along it ended.
@@ -92,9 +93,9 @@ struct MovementRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EstimatesRecord {
     /// `distance_segments` or `rotation_deg`.
-    quantity: String,
+    quantity: &'static str,
     /// `bends` or `neutral_and_traction`.
-    films: String,
+    films: &'static str,
     /// Of one mean difference per patient.
     mean_difference: Option<f64>,
     /// By resampling patients.
@@ -110,27 +111,16 @@ struct EstimatesRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct OutcomesRecord {
     /// By patient with a model of the line, all bends together.
-    patients: CountsRecord,
+    patients: OutcomeCounts,
     /// By bend: the line itself against the rotations (p < 0.05, not corrected).
-    bends: CountsRecord,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct CountsRecord {
-    rejected: usize,
-    kept: usize,
-    not_tested: usize,
-    /// Of patients with a doubted film; in no other number.
-    doubted: usize,
+    bends: OutcomeCounts,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ErrorsRecord {
-    line: String,
-    /// `fitted`, `left_out_bend` or `held_out`.
-    role: String,
+    line: LineKind,
+    role: FilmRole,
     films: usize,
     /// Films on which the line has no result.
     films_without_result: usize,
@@ -153,39 +143,12 @@ struct SampleRecord {
     pooled_sd: Option<f64>,
 }
 
-/// A line without a result on a film.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct MissingRecord {
-    case_id: String,
-    posture: String,
-    /// `fitted`, `left_out_bend` or `held_out`.
-    role: String,
-    line: String,
-    /// `no_model`, `no_line`, `unreachable`, `not_converged` or `beyond_human_range`.
-    reason: String,
-}
-
-/// A film that may not show what it is named after.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct DoubtedRecord {
-    case_id: String,
-    /// `null` for the lateral film.
-    posture: Option<Posture>,
-    /// The warning.
-    code: WarningCode,
-    reason: String,
-}
-
 /// Patients whose models have the same vertebrae.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ChainRecord {
-    /// Such as `L4`.
-    base: String,
-    /// Such as `T2`.
-    top: String,
+    base: Level,
+    top: Level,
     patients: usize,
 }
 
@@ -193,11 +156,9 @@ struct ChainRecord {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TestRecord {
-    lines: [String; 2],
-    /// `fitted`, `left_out_bend` or `held_out`.
-    role: String,
-    /// `location_mm` or `ferguson_deg`.
-    error: String,
+    lines: [LineKind; 2],
+    role: FilmRole,
+    error: ErrorKind,
     films: usize,
     /// Films on which one of the two has no result, or both.
     films_without_result: usize,
@@ -223,17 +184,16 @@ struct TestRecord {
     /// The paper's paired t, as if all values were independent.
     pooled_t: Option<PairedRecord>,
     /// The line that predicts better: on films that were not fitted, beyond chance, without more numbers from them.
-    predicts_better: Option<String>,
+    predicts_better: Option<LineKind>,
 }
 
 /// A pattern of joint rotations that predicts films from T2 alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineRecord {
-    /// `mirrored_bend`, `published_mobility` or `other_patients`.
     baseline: Baseline,
     /// `left_out_bend` or `held_out`.
-    role: String,
+    role: FilmRole,
     films: usize,
     location_mm: SampleRecord,
 }
@@ -245,7 +205,7 @@ struct BaselineTestRecord {
     /// Name of the line, or of the load and base.
     model: String,
     baseline: Baseline,
-    role: String,
+    role: FilmRole,
     films: usize,
     patients: usize,
     /// Of one mean difference per patient, model minus baseline.
@@ -297,7 +257,7 @@ impl CohortFile {
                 .map(|(kind, n)| (kind.key().to_owned(), NumbersRecord::new(n)))
                 .collect(),
             errors: compared.errors.iter().map(errors).collect(),
-            films_without_result: compared.missing.iter().map(missing).collect(),
+            films_without_result: compared.missing.clone(),
             tests: compared.tests.iter().map(test).collect(),
             baselines: cohort.baselines.errors.iter().map(baseline).collect(),
             baseline_tests: cohort
@@ -312,7 +272,7 @@ impl CohortFile {
                 .iter()
                 .map(|test| baseline_test(test, test.model.key()))
                 .collect(),
-            doubted_films: cohort.doubted_films.iter().map(doubted).collect(),
+            doubted_films: cohort.doubted_films.clone(),
             chains: cohort.chains.iter().map(chain).collect(),
             outcomes: cohort.outcomes.iter().map(outcomes).collect(),
             verdict: cohort.sentences(),
@@ -332,14 +292,15 @@ fn movement(cohort: &Cohort) -> MovementRecord {
     let rows = ["distance_segments", "rotation_deg"]
         .into_iter()
         .flat_map(|quantity| ["bends", "neutral_and_traction"].map(|films| [quantity, films]));
-    let test = |([quantity, films], found): ([&str; 2], &PairedComparison)| EstimatesRecord {
-        quantity: quantity.to_owned(),
-        films: films.to_owned(),
-        mean_difference: finite(found.mean_difference),
-        interval_95: found.bootstrap,
-        patient_t: found.patients.map(paired),
-        pooled_t: found.pooled.map(paired),
-    };
+    let test =
+        |([quantity, films], found): ([&'static str; 2], &PairedComparison)| EstimatesRecord {
+            quantity,
+            films,
+            mean_difference: finite(found.mean_difference),
+            interval_95: found.bootstrap,
+            patient_t: found.patients.map(paired),
+            pooled_t: found.pooled.map(paired),
+        };
     MovementRecord {
         curve_residual_mm: sample(&cohort.rmse_mm),
         curve_residual_deg: sample(&cohort.rmse_deg),
@@ -358,11 +319,7 @@ fn paired(t: PairedT) -> PairedRecord {
 }
 
 fn outcomes(found: &LineOutcomes) -> (String, OutcomesRecord) {
-    let counts = |counts: &OutcomeCounts| {
-        let OutcomeCounts { rejected, kept, not_tested, doubted } = *counts;
-        CountsRecord { rejected, kept, not_tested, doubted }
-    };
-    let record = OutcomesRecord { patients: counts(&found.patients), bends: counts(&found.bends) };
+    let record = OutcomesRecord { patients: found.patients, bends: found.bends };
     (found.kind.key().to_owned(), record)
 }
 
@@ -380,7 +337,7 @@ fn sample(values: &Clustered) -> SampleRecord {
 fn baseline(found: &BaselineErrors) -> BaselineRecord {
     BaselineRecord {
         baseline: found.baseline,
-        role: found.role.key().to_owned(),
+        role: found.role,
         films: found.films,
         location_mm: sample(&found.location_mm),
     }
@@ -391,7 +348,7 @@ fn baseline_test<M>(found: &BaselineTest<M>, model: String) -> BaselineTestRecor
     BaselineTestRecord {
         model,
         baseline: found.baseline,
-        role: found.role.key().to_owned(),
+        role: found.role,
         films: found.films,
         patients: c.patients(),
         mean_difference_mm: finite(c.mean_difference),
@@ -404,8 +361,8 @@ fn baseline_test<M>(found: &BaselineTest<M>, model: String) -> BaselineTestRecor
 
 fn errors(found: &RoleErrors) -> ErrorsRecord {
     ErrorsRecord {
-        line: found.kind.key().to_owned(),
-        role: found.role.key().to_owned(),
+        line: found.kind,
+        role: found.role,
         films: found.films,
         films_without_result: found.without_result,
         location_mm: sample(&found.location_mm),
@@ -413,36 +370,17 @@ fn errors(found: &RoleErrors) -> ErrorsRecord {
     }
 }
 
-fn doubted(film: &DoubtedFilm) -> DoubtedRecord {
-    DoubtedRecord {
-        case_id: film.case_id.clone(),
-        posture: film.posture,
-        code: film.code,
-        reason: film.why.clone(),
-    }
-}
-
 fn chain(count: &ChainCount) -> ChainRecord {
     let ChainCount { levels, patients } = *count;
-    ChainRecord { base: levels.base().to_string(), top: levels.top().to_string(), patients }
-}
-
-fn missing(found: &MissingResult) -> MissingRecord {
-    MissingRecord {
-        case_id: found.case_id.clone(),
-        posture: found.posture.key().to_owned(),
-        role: found.role.key().to_owned(),
-        line: found.kind.key().to_owned(),
-        reason: found.reason.key().to_owned(),
-    }
+    ChainRecord { base: levels.base(), top: levels.top(), patients }
 }
 
 fn test(found: &LinePairTest) -> TestRecord {
     let c = &found.comparison;
     TestRecord {
-        lines: found.lines.map(|kind| kind.key().to_owned()),
-        role: found.role.key().to_owned(),
-        error: found.error.key().to_owned(),
+        lines: found.lines,
+        role: found.role,
+        error: found.error,
         films: found.films,
         films_without_result: found.without_result,
         patients: c.patients(),
@@ -456,6 +394,6 @@ fn test(found: &LinePairTest) -> TestRecord {
         holm_p: found.holm_p,
         patient_t: c.patients.map(paired),
         pooled_t: c.pooled.map(paired),
-        predicts_better: found.predicts_better().map(|kind| kind.key().to_owned()),
+        predicts_better: found.predicts_better(),
     }
 }

@@ -97,7 +97,7 @@ fn doubted_table(cohort: &Cohort) -> Table {
     Table::of("Films that may be wrong", &cohort.doubted_films, |add| {
         add.words("Case", |film| film.case_id.clone());
         add.words("Film", |film| film.film());
-        add.words("Reason", |film| film.why.clone());
+        add.words("Reason", |film| film.reason.clone());
     })
 }
 

@@ -7,7 +7,8 @@ use crate::anatomy::{Levels, Posture};
 use crate::warning::{WarningCode, counted, first_named};
 
 /// A film that may not show what it is named after.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DoubtedFilm {
     /// The patient.
     pub case_id: String,
@@ -16,7 +17,7 @@ pub struct DoubtedFilm {
     /// The warning.
     pub code: WarningCode,
     /// Why it is doubted.
-    pub why: String,
+    pub reason: String,
 }
 
 impl DoubtedFilm {
@@ -26,7 +27,7 @@ impl DoubtedFilm {
             case_id: analysis.case_id.clone(),
             posture: warning.posture,
             code: warning.code,
-            why: warning.message.clone(),
+            reason: warning.message.clone(),
         });
         doubts.collect()
     }

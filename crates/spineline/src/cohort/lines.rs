@@ -119,7 +119,8 @@ impl LinePairTest {
 }
 
 /// A line without a result on a film: the film does not count in a comparison of this line.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MissingResult {
     /// The patient.
     pub case_id: String,
@@ -128,6 +129,7 @@ pub struct MissingResult {
     /// Role of the film in the fit.
     pub role: FilmRole,
     /// The line.
+    #[serde(rename = "line")]
     pub kind: LineKind,
     /// Why.
     pub reason: NoResult,

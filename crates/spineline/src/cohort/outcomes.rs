@@ -9,7 +9,8 @@ use crate::personalize::TestOutcome;
 use crate::warning::counted;
 
 /// How the tests of one hypothesis ended.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OutcomeCounts {
     /// Tests that reject it.
     pub rejected: usize,
