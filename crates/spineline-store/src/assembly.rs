@@ -116,7 +116,7 @@ pub(crate) fn reader(reading: &ReadingRecord) -> Reader {
 
 /// The corners of a vertebra in a view, if all four are placed.
 fn placed(landmarks: &VertebraReading, view: FilmView) -> Option<Corners<Pixel>> {
-    let corners = landmarks.placed(view).map(|corner| corner.map(pixel));
+    let corners = landmarks.placed(view).map(|corner| corner.map(Pixel::from));
     Some(Corners {
         superior_left: corners.superior_left?,
         superior_right: corners.superior_right?,
@@ -130,7 +130,7 @@ fn landmark(landmarks: &VertebraReading, posture: Posture) -> Option<VertebraLan
     let view = FilmView::Frontal(posture);
     let corners = placed(landmarks, view)?;
     let sides = |places: &BTreeMap<Side, [f64; 2]>| {
-        Side::ALL.map(|side| places.get(&side).copied().map(pixel))
+        Side::ALL.map(|side| places.get(&side).copied().map(Pixel::from))
     };
     Some(VertebraLandmarks {
         origins: landmarks.corner_origins(view),
@@ -154,10 +154,6 @@ fn mean_crests(readings: &[(&ReadingRecord, ReadingState)]) -> Option<IliacCrest
     let mean = |side: usize, axis: usize| {
         pairs.iter().map(|pair| pair[side][axis]).sum::<f64>() / pairs.len() as f64
     };
-    let place = |side| pixel([mean(side, 0), mean(side, 1)]);
+    let place = |side| Pixel::from([mean(side, 0), mean(side, 1)]);
     (!pairs.is_empty()).then(|| IliacCrests { left: place(0), right: place(1) })
-}
-
-fn pixel([column, row]: [f64; 2]) -> Pixel {
-    Pixel::new(column, row)
 }

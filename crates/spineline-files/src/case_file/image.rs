@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
-use spineline::spatial::Pixel;
 
 use crate::FileError;
 use crate::digest::is_sha256;
@@ -287,12 +286,4 @@ impl LateralImageRecord {
     pub fn source(&self) -> FilmSource {
         FilmSource::stated(self.file.as_ref(), self.sha256.as_ref(), self.inverted)
     }
-}
-
-pub(super) fn pixel([column, row]: [f64; 2]) -> Pixel {
-    Pixel::new(column, row)
-}
-
-pub(super) fn pair(place: Pixel) -> [f64; 2] {
-    [place.column_px, place.row_px]
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use spineline::measure::{Corners, LateralFilm, Reading, ReadingId};
 use spineline::spatial::Pixel;
 
-use super::image::{FilmSource, LateralImageRecord, pair, pixel};
+use super::image::{FilmSource, LateralImageRecord};
 use crate::FileError;
 use crate::keys::ByLevel;
 
@@ -33,15 +33,15 @@ struct LateralReadingRecord {
     vertebrae: ByLevel<LateralVertebraRecord>,
 }
 
-/// Four corners in pixels, `[column, row]`.
+/// Four corners of a vertebra.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct LateralVertebraRecord {
-    superior_anterior: [f64; 2],
-    superior_posterior: [f64; 2],
-    inferior_anterior: [f64; 2],
-    inferior_posterior: [f64; 2],
+    superior_anterior: Pixel,
+    superior_posterior: Pixel,
+    inferior_anterior: Pixel,
+    inferior_posterior: Pixel,
 }
 
 impl LateralRecord {
@@ -94,19 +94,19 @@ impl LateralReadingRecord {
 impl LateralVertebraRecord {
     fn corners(self) -> Corners<Pixel> {
         Corners {
-            superior_left: pixel(self.superior_anterior),
-            superior_right: pixel(self.superior_posterior),
-            inferior_left: pixel(self.inferior_anterior),
-            inferior_right: pixel(self.inferior_posterior),
+            superior_left: self.superior_anterior,
+            superior_right: self.superior_posterior,
+            inferior_left: self.inferior_anterior,
+            inferior_right: self.inferior_posterior,
         }
     }
 
     fn of(corners: &Corners<Pixel>) -> Self {
         Self {
-            superior_anterior: pair(corners.superior_left),
-            superior_posterior: pair(corners.superior_right),
-            inferior_anterior: pair(corners.inferior_left),
-            inferior_posterior: pair(corners.inferior_right),
+            superior_anterior: corners.superior_left,
+            superior_posterior: corners.superior_right,
+            inferior_anterior: corners.inferior_left,
+            inferior_posterior: corners.inferior_right,
         }
     }
 }

@@ -5,7 +5,7 @@ mod lateral;
 mod vertebra;
 
 use serde::{Deserialize, Serialize};
-use spineline::analysis::{Case, Sex, Subject, is_case_id, is_lenke_class};
+use spineline::analysis::{Case, Subject, is_case_id, is_lenke_class};
 use spineline::anatomy::Posture;
 use spineline::measure::{
     Film, FilmLandmarks, IliacCrests, PlacementSource, Reading, ReadingId, SpacingPlane,
@@ -14,8 +14,8 @@ use spineline::measure::{
 use crate::FileError;
 use crate::json::parse;
 use crate::keys::ByLevel;
+use image::ImageRecord;
 pub use image::{FilmSource, image_value, is_picture_name, parse_image, with_geometry};
-use image::{ImageRecord, pair, pixel};
 use lateral::LateralRecord;
 pub use vertebra::written_axis_deg;
 use vertebra::{Kind, VertebraRecord};
@@ -40,26 +40,12 @@ pub struct CaseFile {
     synthetic: bool,
     /// Data of the patient.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    subject: Option<SubjectRecord>,
+    subject: Option<Subject>,
     /// One film per posture; only the erect one is needed.
     films: Vec<FilmRecord>,
     /// A lateral film, for the sagittal profile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     lateral: Option<LateralRecord>,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct SubjectRecord {
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    sex: Option<Sex>,
-    /// Age at the films.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    age_years: Option<f64>,
-    /// Lenke class as clinicians recorded it, such as `1A`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    lenke: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,7 +58,7 @@ struct FilmRecord {
     image: Option<ImageRecord>,
     /// Superior tips of the iliac crests.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    iliac_crests_px: Option<CrestsRecord>,
+    iliac_crests_px: Option<IliacCrests>,
     /// Unit of `location_mm`; for films of locations and tilts only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     lengths: Option<LengthsRecord>,
@@ -112,15 +98,6 @@ impl LengthsRecord {
 
 fn is_of_vertebrae(source: &PlacementSource) -> bool {
     *source == PlacementSource::Vertebrae
-}
-
-/// The patient's left and right crest, `[column, row]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct CrestsRecord {
-    left: [f64; 2],
-    right: [f64; 2],
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -201,11 +178,7 @@ impl CaseFile {
             return Err(FileError::CaseId { found: self.case_id });
         }
         self.check_pictures()?;
-        let subject = self.subject.map_or_else(Subject::default, |subject| Subject {
-            sex: subject.sex,
-            age_years: subject.age_years,
-            lenke: subject.lenke,
-        });
+        let subject = self.subject.unwrap_or_default();
         if let Some(found) = subject.lenke.clone().filter(|class| !is_lenke_class(class)) {
             return Err(FileError::Lenke { found });
         }
@@ -242,17 +215,13 @@ impl CaseFile {
     /// The file of a case.
     #[must_use]
     pub fn from_case(case: &Case) -> Self {
-        let subject = &case.subject;
+        let subject = Some(&case.subject).filter(|subject| **subject != Subject::default());
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
             case_id: case.id.clone(),
             synthetic: case.synthetic,
-            subject: (*subject != Subject::default()).then(|| SubjectRecord {
-                sex: subject.sex,
-                age_years: subject.age_years,
-                lenke: subject.lenke.clone(),
-            }),
+            subject: subject.cloned(),
             films: case.films.iter().map(FilmRecord::from_film).collect(),
             lateral: case.lateral.as_ref().map(LateralRecord::of),
         }
@@ -311,9 +280,7 @@ impl FilmRecord {
         let image = self.image.ok_or(FileError::NoImage { posture })?;
         let landmarks = FilmLandmarks::Corners {
             image: image.geometry(posture)?,
-            iliac_crests: self
-                .iliac_crests_px
-                .map(|crests| IliacCrests { left: pixel(crests.left), right: pixel(crests.right) }),
+            iliac_crests: self.iliac_crests_px,
             readings: marked,
         };
         Ok(Film { checked, ..Film::new(posture, landmarks) })
@@ -325,10 +292,7 @@ impl FilmRecord {
             FilmLandmarks::Corners { image, iliac_crests, readings } => Self {
                 posture,
                 image: Some(ImageRecord::of(image)),
-                iliac_crests_px: iliac_crests.map(|crests| CrestsRecord {
-                    left: pair(crests.left),
-                    right: pair(crests.right),
-                }),
+                iliac_crests_px: *iliac_crests,
                 lengths: None,
                 placement_source: PlacementSource::Vertebrae,
                 checked: film.checked,

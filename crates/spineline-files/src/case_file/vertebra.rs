@@ -2,24 +2,23 @@
 
 use serde::{Deserialize, Serialize};
 use spineline::measure::{Corners, Origin, Placement, VertebraLandmarks};
-use spineline::spatial::{Angle, Frontal};
+use spineline::spatial::{Angle, Frontal, Pixel};
 
-use super::image::{pair, pixel};
 use crate::FileError;
 
-/// Either four corners in pixels, `[column, row]`, named by the patient's sides, or a location and a tilt.
+/// Either four corners, named by the patient's sides, or a location and a tilt.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct VertebraRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    superior_left: Option<[f64; 2]>,
+    superior_left: Option<Pixel>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    superior_right: Option<[f64; 2]>,
+    superior_right: Option<Pixel>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    inferior_left: Option<[f64; 2]>,
+    inferior_left: Option<Pixel>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    inferior_right: Option<[f64; 2]>,
+    inferior_right: Option<Pixel>,
     /// Axis set by hand: angle to the image's vertical, positive clockwise as seen with square pixels, that is in millimetres and not
     /// in columns and rows; from -180 to 180.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -33,16 +32,16 @@ pub(super) struct VertebraRecord {
     origins: Option<[Origin; 4]>,
     /// Midpoint of the wall on the patient's left, where the vertebra was marked by its walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    left_wall: Option<[f64; 2]>,
+    left_wall: Option<Pixel>,
     /// Midpoint of the wall on the patient's right.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    right_wall: Option<[f64; 2]>,
+    right_wall: Option<Pixel>,
     /// Centre of the pedicle on the patient's left, as the film shows it; with the right one it gives the axial rotation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    left_pedicle: Option<[f64; 2]>,
+    left_pedicle: Option<Pixel>,
     /// Centre of the pedicle on the patient's right.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    right_pedicle: Option<[f64; 2]>,
+    right_pedicle: Option<Pixel>,
     /// Standard deviation of a corner's coordinate as a part of the height of the body, where a program found the corners.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sd_share: Option<f64>,
@@ -77,12 +76,11 @@ impl VertebraRecord {
         let placed = (self.location_mm, self.tilt_deg);
         match (corners, placed) {
             ([Some(sl), Some(sr), Some(il), Some(ir)], (None, None)) => {
-                let corners = Corners::from([sl, sr, il, ir].map(pixel));
+                let corners = Corners::from([sl, sr, il, ir]);
                 Some(Kind::Marked(VertebraLandmarks {
                     origins: self.origins.map_or_else(Corners::default, Corners::from),
-                    walls: [self.left_wall, self.right_wall].map(|wall| wall.map(pixel)),
-                    pedicles: [self.left_pedicle, self.right_pedicle]
-                        .map(|pedicle| pedicle.map(pixel)),
+                    walls: [self.left_wall, self.right_wall],
+                    pedicles: [self.left_pedicle, self.right_pedicle],
                     axis_clockwise: self.axis_deg.map(Angle::from_deg),
                     confidence: self.confidence.map(Corners::from),
                     sd_share: self.sd_share,
@@ -110,8 +108,8 @@ impl VertebraRecord {
     }
 
     pub fn marked(landmark: &VertebraLandmarks) -> Self {
-        let [left_wall, right_wall] = landmark.walls.map(|wall| wall.map(pair));
-        let [left_pedicle, right_pedicle] = landmark.pedicles.map(|pedicle| pedicle.map(pair));
+        let [left_wall, right_wall] = landmark.walls;
+        let [left_pedicle, right_pedicle] = landmark.pedicles;
         let is_clicked = landmark.origins == Corners::all(Origin::Clicked);
         Self {
             origins: (!is_clicked).then(|| landmark.origins.points()),
@@ -120,10 +118,10 @@ impl VertebraRecord {
             left_pedicle,
             right_pedicle,
             sd_share: landmark.sd_share,
-            superior_left: Some(pair(landmark.corners.superior_left)),
-            superior_right: Some(pair(landmark.corners.superior_right)),
-            inferior_left: Some(pair(landmark.corners.inferior_left)),
-            inferior_right: Some(pair(landmark.corners.inferior_right)),
+            superior_left: Some(landmark.corners.superior_left),
+            superior_right: Some(landmark.corners.superior_right),
+            inferior_left: Some(landmark.corners.inferior_left),
+            inferior_right: Some(landmark.corners.inferior_right),
             axis_deg: landmark.axis_clockwise.map(written_axis_deg),
             confidence: landmark.confidence.map(|corners| corners.points()),
             ..Self::default()

@@ -134,12 +134,12 @@ fn vertebra(
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
         let place = name.of(&landmark.corners)?;
         let origin = name.of(&landmark.origins);
-        Some(CornerView { corner: corner(name, view), px: pair(place), origin })
+        Some(CornerView { corner: corner(name, view), px: place.into(), origin })
     });
     let body = landmark.body(image);
     let axis = body.map(|body| AxisView {
-        from_px: pair(body.axis[0]),
-        to_px: pair(body.axis[1]),
+        from_px: body.axis[0].into(),
+        to_px: body.axis[1].into(),
         axis_deg: spineline_files::written_axis_deg(body.axis_clockwise),
         by_hand: landmark.axis_clockwise.is_some(),
         text: axis_text(body.tilt, view),
@@ -149,12 +149,12 @@ fn vertebra(
         level: level.to_string(),
         corners: corners.collect(),
         walls: SidesView {
-            left_px: landmark.walls[0].map(pair),
-            right_px: landmark.walls[1].map(pair),
+            left_px: landmark.walls[0].map(Into::into),
+            right_px: landmark.walls[1].map(Into::into),
         },
         pedicles: SidesView { left_px: pedicle(Side::Left), right_px: pedicle(Side::Right) },
         complete: landmark.complete().is_some(),
-        midpoint_px: body.map(|body| pair(body.midpoint)),
+        midpoint_px: body.map(|body| body.midpoint.into()),
         axis,
         erect_width_percent: width_ratio.map(|ratio| (100.0 * ratio).round()),
     }
@@ -189,7 +189,7 @@ fn next_landmark(next: NextLandmark, view: FilmView) -> Option<ExpectedLandmark>
 
 /// A corner that the program proposes on a frontal film; corners are placed to 0.01 px at best.
 pub(super) fn corner_view(name: CornerName, place: Pixel, origin: Origin) -> CornerView {
-    let px = pair(place).map(|px| (px * 100.0).round() / 100.0);
+    let px = <[f64; 2]>::from(place).map(|px| (px * 100.0).round() / 100.0);
     CornerView { corner: name.of(&Corner::FRONTAL), px, origin }
 }
 
@@ -226,8 +226,4 @@ fn faults(
 
 fn corner(name: CornerName, view: FilmView) -> Corner {
     name.of(&Corner::of_view(view))
-}
-
-fn pair(place: Pixel) -> [f64; 2] {
-    [place.column_px, place.row_px]
 }

@@ -84,13 +84,18 @@ named! {
 }
 
 /// Who was X-rayed, without any name.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct Subject {
     /// Sex.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sex: Option<Sex>,
     /// Age at the films.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub age_years: Option<f64>,
-    /// Lenke class as recorded by clinicians, such as `1A`; files allow only [`is_lenke_class`].
+    /// Lenke class as clinicians recorded it, such as `1A`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lenke: Option<String>,
 }
 
@@ -107,7 +112,7 @@ pub fn is_case_id(text: &str) -> bool {
 /// Lenke classes, in words.
 pub const LENKE_RULE: &str = "a type from 1 to 6, such as 1; the modifiers A, B or C and -, N or + may follow, as in 1A and 1AN";
 
-/// Whether a text is a Lenke class, by [`LENKE_RULE`].
+/// Whether a text is a Lenke class, by [`LENKE_RULE`]; files allow only these.
 #[must_use]
 pub fn is_lenke_class(text: &str) -> bool {
     let Some(modifiers) = text.strip_prefix(['1', '2', '3', '4', '5', '6']) else { return false };

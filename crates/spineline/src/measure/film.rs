@@ -292,7 +292,9 @@ pub struct Reading<T> {
 }
 
 /// The superior tips of the two iliac crests.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct IliacCrests {
     /// The patient's left crest.
     pub left: Pixel,

@@ -4,14 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Angle;
 
-/// A place on an image: column to the right, row down, both in pixels, the centre of the first pixel at (0, 0).
-///
-/// Pixels are not millimetres; only [`crate::measure::ImageGeometry::frontal`] turns one into the other:
-/// ```compile_fail
-/// use spineline::spatial::{Frontal, Pixel};
-/// let d = Frontal::new(0.0, 0.0) - Pixel::new(1.0, 2.0);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A place on an image, in files `[column, row]`: column to the right, row down, both in pixels, the centre of the first pixel at (0, 0).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(from = "[f64; 2]", into = "[f64; 2]")]
 pub struct Pixel {
     /// Column, to the right.
     pub column_px: f64,
@@ -21,6 +17,12 @@ pub struct Pixel {
 
 impl Pixel {
     /// A place by column and row.
+    ///
+    /// Pixels are not millimetres; only [`crate::measure::ImageGeometry::frontal`] turns one into the other:
+    /// ```compile_fail
+    /// use spineline::spatial::{Frontal, Pixel};
+    /// let d = Frontal::new(0.0, 0.0) - Pixel::new(1.0, 2.0);
+    /// ```
     #[must_use]
     pub const fn new(column_px: f64, row_px: f64) -> Self {
         Self { column_px, row_px }
@@ -30,6 +32,18 @@ impl Pixel {
     #[must_use]
     pub fn is_finite(self) -> bool {
         self.column_px.is_finite() && self.row_px.is_finite()
+    }
+}
+
+impl From<[f64; 2]> for Pixel {
+    fn from([column_px, row_px]: [f64; 2]) -> Self {
+        Self { column_px, row_px }
+    }
+}
+
+impl From<Pixel> for [f64; 2] {
+    fn from(place: Pixel) -> Self {
+        [place.column_px, place.row_px]
     }
 }
 
