@@ -275,6 +275,11 @@ struct Film {
     placed: Vec<Reading<Placement>>,
 }
 
+/// A place in a frontal plane of the patient.
+fn frontal([left, _, superior]: Lps) -> Frontal {
+    Frontal::new(left, superior)
+}
+
 impl List {
     fn add_to(
         &self,
@@ -283,56 +288,46 @@ impl List {
         film: &mut Film,
     ) -> Result<(), LandmarkError> {
         let bodies = self.points.bodies(&self.at)?;
-        match self.frame(hint)? {
-            SlicerFrame::Image => {
+        match (self.frame(hint)?, hint.image) {
+            (SlicerFrame::Image, _) => {
                 let [column_mm, row_mm] = self.steps(hint)?;
                 let to_pixel = |p: Lps| pixel(p[0] / column_mm, p[1] / row_mm, &self.at);
-                let mut vertebrae = BTreeMap::new();
-                for (level, body) in bodies {
-                    let corners = Corners {
-                        superior_left: to_pixel(body.superior_left)?,
-                        superior_right: to_pixel(body.superior_right)?,
-                        inferior_left: to_pixel(body.inferior_left)?,
-                        inferior_right: to_pixel(body.inferior_right)?,
-                    };
-                    vertebrae.insert(level, self.landmark(level, corners));
-                }
-                let crests = match self.points.crests(&self.at)? {
-                    Some([left, right]) => {
-                        Some(IliacCrests { left: to_pixel(left)?, right: to_pixel(right)? })
-                    }
-                    None => None,
-                };
-                merge_crests(&mut film.crests, crests, &self.at)?;
-                film.marked.push(Reading { id, vertebrae });
+                self.mark(film, id, bodies, to_pixel)
             }
-            SlicerFrame::Patient => {
-                let frontal = |p: Lps| Frontal::new(p[0], p[2]);
-                match hint.image {
-                    Some(image) => {
-                        let to_pixel = |p: Lps| image.pixel(frontal(p));
-                        let landmark = |(level, body): (Level, Corners<Lps>)| {
-                            (level, self.landmark(level, body.map(to_pixel)))
-                        };
-                        let vertebrae = bodies.into_iter().map(landmark).collect();
-                        let crests = self.points.crests(&self.at)?;
-                        let crests = crests.map(|[left, right]| IliacCrests {
-                            left: to_pixel(left),
-                            right: to_pixel(right),
-                        });
-                        merge_crests(&mut film.crests, crests, &self.at)?;
-                        film.marked.push(Reading { id, vertebrae });
-                    }
-                    None => film.placed.push(Reading { id, vertebrae: self.placements(bodies)? }),
-                }
+            (SlicerFrame::Patient, Some(image)) => {
+                self.mark(film, id, bodies, |p| Ok(image.pixel(frontal(p))))
+            }
+            (SlicerFrame::Patient, None) => {
+                film.placed.push(Reading { id, vertebrae: self.placements(bodies)? });
+                Ok(())
             }
         }
-        Ok(())
     }
 
-    fn landmark(&self, level: Level, corners: Corners<Pixel>) -> VertebraLandmarks {
-        let origins = self.points.origins(level);
-        VertebraLandmarks { origins, ..VertebraLandmarks::clicked(corners) }
+    /// Adds bodies and crests on a picture.
+    fn mark(
+        &self,
+        film: &mut Film,
+        id: ReadingId,
+        bodies: BTreeMap<Level, Corners<Lps>>,
+        to_pixel: impl Fn(Lps) -> Result<Pixel, LandmarkError>,
+    ) -> Result<(), LandmarkError> {
+        let mut vertebrae = BTreeMap::new();
+        for (level, body) in bodies {
+            let [sl, sr, il, ir] = body.points().map(&to_pixel);
+            let clicked = VertebraLandmarks::clicked([sl?, sr?, il?, ir?].into());
+            let origins = self.points.origins(level);
+            vertebrae.insert(level, VertebraLandmarks { origins, ..clicked });
+        }
+        let crests = match self.points.crests(&self.at)? {
+            Some([left, right]) => {
+                Some(IliacCrests { left: to_pixel(left)?, right: to_pixel(right)? })
+            }
+            None => None,
+        };
+        merge_crests(&mut film.crests, crests, &self.at)?;
+        film.marked.push(Reading { id, vertebrae });
+        Ok(())
     }
 
     fn placements(
@@ -341,7 +336,7 @@ impl List {
     ) -> Result<BTreeMap<Level, Placement>, LandmarkError> {
         let mut placed = BTreeMap::new();
         for (level, body) in bodies {
-            let body = body.map(|p| Frontal::new(p[0], p[2]));
+            let body = body.map(frontal);
             let location = body.measure_location().map_err(|fault| LandmarkError::Syntax {
                 at: format!("{}, {level}", self.at),
                 reason: fault.to_string(),
