@@ -15,15 +15,22 @@ impl DecimalMark {
         Self((separator == b',').then(|| ('.', "a table with commas between its cells".to_owned())))
     }
 
-    /// A number with this mark.
-    pub fn number(&mut self, cell: &str, line: u64, at: &str) -> Result<f64, LandmarkError> {
+    /// The number of a cell with this mark.
+    pub fn number(
+        &mut self,
+        row: Cells<'_>,
+        column: usize,
+        name: &str,
+    ) -> Result<f64, LandmarkError> {
+        let cell = row.text(column, name)?;
+        let at = row.place(name);
         for mark in ['.', ','].into_iter().filter(|mark| cell.contains(*mark)) {
-            let own = || format!("`{}` on line {line}", shown(cell));
+            let own = || format!("`{}` on {}", shown(cell), row.at());
             let (first, of) = self.0.get_or_insert_with(|| (mark, own()));
             if *first != mark {
                 let name = |mark| if mark == ',' { "comma" } else { "point" };
                 return Err(LandmarkError::Ambiguous {
-                    at: at.to_owned(),
+                    at,
                     reason: format!(
                         "`{}` has a decimal {}, and {of} a decimal {}",
                         shown(cell),
@@ -35,34 +42,48 @@ impl DecimalMark {
             }
         }
         let value = cell.replacen(',', ".", 1).parse().map_err(|_| LandmarkError::Value {
-            at: at.to_owned(),
+            at: at.clone(),
             value: shown(cell),
             expected: "a number",
         })?;
-        coordinate(value, at)
+        coordinate(value, &at)
     }
 }
 
-/// The text of a cell.
-pub(super) fn text<'a>(
-    record: &'a ByteRecord,
-    column: usize,
-    line: u64,
-    name: &str,
-) -> Result<&'a str, LandmarkError> {
-    std::str::from_utf8(&record[column]).map_err(|_| LandmarkError::Value {
-        at: place(line, name),
-        value: shown(&String::from_utf8_lossy(&record[column])),
-        expected: "text in UTF-8",
-    })
+/// The cells of a row, with the line of the row.
+#[derive(Clone, Copy)]
+pub(super) struct Cells<'a> {
+    pub record: &'a ByteRecord,
+    pub line: u64,
 }
 
-/// Whether a cell is empty or marks a missing number.
-pub(super) fn is_blank(record: &ByteRecord, column: usize) -> bool {
-    std::str::from_utf8(&record[column]).is_ok_and(is_no_number)
-}
+impl<'a> Cells<'a> {
+    /// Where the row is.
+    pub fn at(self) -> String {
+        format!("line {}", self.line)
+    }
 
-/// Where a cell is.
-pub(super) fn place(line: u64, column: &str) -> String {
-    format!("line {line}, column `{column}`")
+    /// Where a cell is.
+    pub fn place(self, name: &str) -> String {
+        format!("{}, column `{name}`", self.at())
+    }
+
+    /// The text of a cell.
+    pub fn text(self, column: usize, name: &str) -> Result<&'a str, LandmarkError> {
+        std::str::from_utf8(&self.record[column]).map_err(|_| LandmarkError::Value {
+            at: self.place(name),
+            value: self.shown(column),
+            expected: "text in UTF-8",
+        })
+    }
+
+    /// The beginning of a cell for display, whether it is UTF-8 or not.
+    pub fn shown(self, column: usize) -> String {
+        shown(&String::from_utf8_lossy(&self.record[column]))
+    }
+
+    /// Whether a cell is empty or marks a missing number.
+    pub fn is_blank(self, column: usize) -> bool {
+        std::str::from_utf8(&self.record[column]).is_ok_and(is_no_number)
+    }
 }

@@ -10,7 +10,7 @@ use spineline_files::{
     column_name, decode_text, starts_formula, stated_separator, unguarded, whole_number,
 };
 
-use super::cells::{DecimalMark, is_blank, place, text};
+use super::cells::{Cells, DecimalMark};
 use super::columns::{Columns, Values, View};
 use super::{
     AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
@@ -82,7 +82,7 @@ pub(super) fn parse(
         if record.iter().all(<[u8]>::is_empty) {
             continue;
         }
-        table.row(&record, line)?;
+        table.row(Cells { record: &record, line })?;
     }
     table.finish()
 }
@@ -139,115 +139,105 @@ struct Table<'a> {
 }
 
 impl Table<'_> {
-    fn row(&mut self, record: &ByteRecord, line: u64) -> Result<(), LandmarkError> {
-        let is_empty = |place: &usize| record.get(*place).is_none_or(<[u8]>::is_empty);
+    fn row(&mut self, row: Cells<'_>) -> Result<(), LandmarkError> {
+        let is_empty = |place: &usize| row.record.get(*place).is_none_or(<[u8]>::is_empty);
         if let Some(column) = self.columns.unknown.iter().find(|c| !is_empty(&c.place)) {
             return Err(column.refused());
         }
         // Spreadsheets add empty cells beyond the heading.
-        let is_longer = !(self.columns.count..record.len()).all(|place| is_empty(&place));
-        if record.len() < self.columns.count || is_longer {
-            let (found, wanted) = (record.len(), self.columns.count);
+        let is_longer = !(self.columns.count..row.record.len()).all(|place| is_empty(&place));
+        if row.record.len() < self.columns.count || is_longer {
+            let (found, wanted) = (row.record.len(), self.columns.count);
             return Err(LandmarkError::Syntax {
-                at: format!("line {line}"),
+                at: row.at(),
                 reason: format!("{found} cells, but the heading has {wanted}"),
             });
         }
-        let posture = self.posture(record, line)?;
-        let vertebra = text(record, self.columns.vertebra, line, VERTEBRA)?;
+        let posture = self.posture(row)?;
+        let vertebra = row.text(self.columns.vertebra, VERTEBRA)?;
         if column_name(vertebra) == CRESTS && self.columns.view == View::Frontal {
-            return self.crests(record, line, posture);
+            return self.crests(row, posture);
         }
-        let at = place(line, VERTEBRA);
-        let level = parse_level(vertebra, &at)?;
-        let id = self.reading(record, line)?;
-        let twice = |first: u64| LandmarkError::Duplicate {
-            at: at.clone(),
-            what: format!("{level} of observer {id}"),
-            first: Some(format!("line {first}")),
-        };
-        if self.values_blank(record).iter().all(|&blank| blank) {
-            self.not_placed.push(format!("{level} of line {line}"));
+        let level = parse_level(vertebra, &row.place(VERTEBRA))?;
+        let id = self.reading(row)?;
+        if self.values_blank(row).iter().all(|&blank| blank) {
+            self.not_placed.push(format!("{level} of {}", row.at()));
             return Ok(());
         }
-        match self.columns.values {
+        let first = match self.columns.values {
             Values::Corners(columns) => {
-                self.check_corners(record, line, level)?;
-                let landmarks = self.landmarks(record, line, columns)?;
+                self.check_corners(row, level)?;
+                let landmarks = self.landmarks(row, columns)?;
                 let film = self.films.entry(posture).or_default();
                 let reading = film.landmarks.entry(id.clone()).or_default();
-                match reading.get(&level) {
-                    Some((_, first)) => return Err(twice(*first)),
-                    None => reading.insert(level, (landmarks, line)),
-                };
+                reading.insert(level, (landmarks, row.line)).map(|(_, line)| line)
             }
             Values::Placements(columns) => {
-                let [y, z] = [0, 1].map(|i| self.number(record, columns[i], line, PLACED[i]));
+                let [y, z] = [0, 1].map(|i| self.decimal.number(row, columns[i], PLACED[i]));
                 let location = Frontal::new(y?, z?);
-                let tilt = self.number(record, columns[2], line, PLACED[2])?;
-                let tilt = degrees(tilt, &place(line, PLACED[2]))?;
+                let tilt = self.decimal.number(row, columns[2], PLACED[2])?;
+                let tilt = degrees(tilt, &row.place(PLACED[2]))?;
                 let placement = Placement::new(location, tilt);
                 let film = self.films.entry(posture).or_default();
                 let reading = film.placements.entry(id.clone()).or_default();
-                match reading.get(&level) {
-                    Some((_, first)) => return Err(twice(*first)),
-                    None => reading.insert(level, (placement, line)),
-                };
+                reading.insert(level, (placement, row.line)).map(|(_, line)| line)
             }
+        };
+        match first {
+            None => Ok(()),
+            Some(first) => Err(LandmarkError::Duplicate {
+                at: row.place(VERTEBRA),
+                what: format!("{level} of observer {id}"),
+                first: Some(format!("line {first}")),
+            }),
         }
-        Ok(())
     }
 
     /// A vertebra with the corners in these columns.
     fn landmarks(
         &mut self,
-        record: &ByteRecord,
-        line: u64,
+        row: Cells<'_>,
         corners: [usize; 8],
     ) -> Result<VertebraLandmarks, LandmarkError> {
-        let points = self.pixels(record, line, corners)?;
+        let points = self.pixels(row, corners)?;
         let axis_clockwise = match self.columns.axis {
-            Some(column) if !is_blank(record, column) => {
-                Some(degrees(self.number(record, column, line, AXIS)?, &place(line, AXIS))?)
+            Some(column) if !row.is_blank(column) => {
+                Some(degrees(self.decimal.number(row, column, AXIS)?, &row.place(AXIS))?)
             }
             _ => None,
         };
         Ok(VertebraLandmarks {
             axis_clockwise,
-            confidence: self.confidence(record, line)?,
-            origins: self.origins(record, line)?,
-            walls: self.sides(record, line, self.columns.walls, WALLS)?,
-            pedicles: self.sides(record, line, self.columns.pedicles, PEDICLES)?,
-            sd_share: self.sd_share(record, line)?,
+            confidence: self.confidence(row)?,
+            origins: self.origins(row)?,
+            walls: self.sides(row, self.columns.walls, WALLS)?,
+            pedicles: self.sides(row, self.columns.pedicles, PEDICLES)?,
+            sd_share: self.sd_share(row)?,
             ..VertebraLandmarks::clicked(points.into())
         })
     }
 
     /// The confidences of a row, all four or none.
-    fn confidence(
-        &mut self,
-        record: &ByteRecord,
-        line: u64,
-    ) -> Result<Option<Corners<f64>>, LandmarkError> {
+    fn confidence(&mut self, row: Cells<'_>) -> Result<Option<Corners<f64>>, LandmarkError> {
         let Some(columns) = self.columns.confidences else { return Ok(None) };
-        if columns.iter().all(|&column| is_blank(record, column)) {
+        if columns.iter().all(|&column| row.is_blank(column)) {
             return Ok(None);
         }
         let mut values = [0.0; 4];
         for i in 0..4 {
-            let value = self.number(record, columns[i], line, CONFIDENCES[i])?;
-            values[i] = confidence(value, &place(line, CONFIDENCES[i]))?;
+            let value = self.decimal.number(row, columns[i], CONFIDENCES[i])?;
+            values[i] = confidence(value, &row.place(CONFIDENCES[i]))?;
         }
         Ok(Some(values.into()))
     }
 
     /// The origins of a row; a corner without one is clicked.
-    fn origins(&self, record: &ByteRecord, line: u64) -> Result<Corners<Origin>, LandmarkError> {
+    fn origins(&self, row: Cells<'_>) -> Result<Corners<Origin>, LandmarkError> {
         let mut origins = [Origin::Clicked; 4];
         for (i, column) in self.columns.origins.into_iter().flatten().enumerate() {
-            let cell = text(record, column, line, ORIGINS[i])?;
+            let cell = row.text(column, ORIGINS[i])?;
             if !cell.is_empty() {
-                origins[i] = origin(cell, &place(line, ORIGINS[i]))?;
+                origins[i] = origin(cell, &row.place(ORIGINS[i]))?;
             }
         }
         Ok(origins.into())
@@ -256,82 +246,75 @@ impl Table<'_> {
     /// The left and the right place of a row in these columns, each with both coordinates or none.
     fn sides(
         &mut self,
-        record: &ByteRecord,
-        line: u64,
+        row: Cells<'_>,
         columns: Option<[usize; 4]>,
         names: [&'static str; 4],
     ) -> Result<[Option<Pixel>; 2], LandmarkError> {
         let mut sides = [None; 2];
         let Some(columns) = columns else { return Ok(sides) };
         for (side, place) in sides.iter_mut().enumerate() {
-            let [column, row] = [2 * side, 2 * side + 1];
-            if [column, row].iter().all(|&i| is_blank(record, columns[i])) {
+            let both = [2 * side, 2 * side + 1];
+            if both.iter().all(|&i| row.is_blank(columns[i])) {
                 continue;
             }
-            let [column, row] =
-                [column, row].map(|i| self.number(record, columns[i], line, names[i]));
-            *place = Some(pixel(column?, row?, &format!("line {line}"))?);
+            let [column_px, row_px] = both.map(|i| self.decimal.number(row, columns[i], names[i]));
+            *place = Some(pixel(column_px?, row_px?, &row.at())?);
         }
         Ok(sides)
     }
 
     /// The deviation of detected corners as a part of the body's height.
-    fn sd_share(&mut self, record: &ByteRecord, line: u64) -> Result<Option<f64>, LandmarkError> {
-        let Some(column) = self.columns.sd_share.filter(|&column| !is_blank(record, column)) else {
+    fn sd_share(&mut self, row: Cells<'_>) -> Result<Option<f64>, LandmarkError> {
+        let Some(column) = self.columns.sd_share.filter(|&column| !row.is_blank(column)) else {
             return Ok(None);
         };
-        let share = self.number(record, column, line, SD_SHARE)?;
+        let share = self.decimal.number(row, column, SD_SHARE)?;
         if share > 0.0 {
             return Ok(Some(share));
         }
         Err(LandmarkError::Value {
-            at: place(line, SD_SHARE),
+            at: row.place(SD_SHARE),
             value: share.to_string(),
             expected: "a standard deviation above zero",
         })
     }
 
-    fn crests(
-        &mut self,
-        record: &ByteRecord,
-        line: u64,
-        posture: Option<Posture>,
-    ) -> Result<(), LandmarkError> {
+    fn crests(&mut self, row: Cells<'_>, posture: Option<Posture>) -> Result<(), LandmarkError> {
         let Values::Corners(columns) = self.columns.values else {
             return Err(LandmarkError::Ambiguous {
-                at: place(line, VERTEBRA),
+                at: row.place(VERTEBRA),
                 reason: "iliac crests need columns of corners".to_owned(),
                 help: "remove the row: a table of locations cannot contain iliac crests",
             });
         };
         for (column, name) in columns.into_iter().zip(CORNERS).skip(4) {
-            if !is_blank(record, column) {
+            if !row.is_blank(column) {
                 return Err(LandmarkError::Value {
-                    at: place(line, name),
-                    value: shown(&String::from_utf8_lossy(&record[column])),
+                    at: row.place(name),
+                    value: row.shown(column),
                     expected: "empty, as it is in a row of iliac crests",
                 });
             }
         }
-        let blank = [[0, 1], [2, 3]].map(|side| side.iter().any(|&i| is_blank(record, columns[i])));
+        let blank = [[0, 1], [2, 3]].map(|side| side.iter().any(|&i| row.is_blank(columns[i])));
         match blank {
             [false, false] => {}
             [true, true] => {
-                self.not_placed.push(format!("the iliac crests of line {line}"));
+                self.not_placed.push(format!("the iliac crests of {}", row.at()));
                 return Ok(());
             }
             [left, _] => {
                 return Err(LandmarkError::Incomplete {
-                    what: format!("line {line}, iliac crests"),
+                    what: format!("{}, iliac crests", row.at()),
                     missing: vec![if left { CREST_LEFT } else { CREST_RIGHT }.to_owned()],
                 });
             }
         }
         let mut tips = [0.0; 4];
         for i in 0..4 {
-            tips[i] = self.number(record, columns[i], line, CORNERS[i])?;
+            tips[i] = self.decimal.number(row, columns[i], CORNERS[i])?;
         }
-        let at = format!("line {line}");
+        let at = row.at();
         let left = pixel(tips[0], tips[1], &at)?;
         let right = pixel(tips[2], tips[3], &at)?;
         let film = self.films.entry(posture).or_default();
@@ -339,22 +322,17 @@ impl Table<'_> {
     }
 
     /// Which numbers of a vertebra are missing.
-    fn values_blank(&self, record: &ByteRecord) -> Vec<bool> {
+    fn values_blank(&self, row: Cells<'_>) -> Vec<bool> {
         let columns: &[usize] = match &self.columns.values {
             Values::Corners(columns) => columns,
             Values::Placements(columns) => columns,
         };
-        columns.iter().map(|&column| is_blank(record, column)).collect()
+        columns.iter().map(|&column| row.is_blank(column)).collect()
     }
 
     /// Refuses a vertebra with only some of its corners.
-    fn check_corners(
-        &self,
-        record: &ByteRecord,
-        line: u64,
-        level: Level,
-    ) -> Result<(), LandmarkError> {
-        let blank = self.values_blank(record);
+    fn check_corners(&self, row: Cells<'_>, level: Level) -> Result<(), LandmarkError> {
+        let blank = self.values_blank(row);
         let names = self.columns.view.corners();
         let missing: Vec<String> = blank
             .chunks_exact(2)
@@ -365,86 +343,69 @@ impl Table<'_> {
         if missing.is_empty() {
             return Ok(());
         }
-        Err(LandmarkError::Incomplete { what: format!("line {line}, {level}"), missing })
+        Err(LandmarkError::Incomplete { what: format!("{}, {level}", row.at()), missing })
     }
 
-    fn pixels(
-        &mut self,
-        record: &ByteRecord,
-        line: u64,
-        columns: [usize; 8],
-    ) -> Result<[Pixel; 4], LandmarkError> {
+    fn pixels(&mut self, row: Cells<'_>, columns: [usize; 8]) -> Result<[Pixel; 4], LandmarkError> {
         let mut values = [0.0; 8];
         let names = self.columns.view.corners();
         for i in 0..8 {
-            values[i] = self.number(record, columns[i], line, names[i])?;
+            values[i] = self.decimal.number(row, columns[i], names[i])?;
         }
-        let at = format!("line {line}");
+        let at = row.at();
         let point = |i: usize| pixel(values[2 * i], values[2 * i + 1], &at);
         Ok([point(0)?, point(1)?, point(2)?, point(3)?])
     }
 
-    fn posture(&self, record: &ByteRecord, line: u64) -> Result<Option<Posture>, LandmarkError> {
+    fn posture(&self, row: Cells<'_>) -> Result<Option<Posture>, LandmarkError> {
         let Some(column) = self.columns.posture else { return Ok(self.hint.posture) };
-        let cell = text(record, column, line, POSTURE)?;
+        let cell = row.text(column, POSTURE)?;
         if cell.is_empty() {
             return Ok(self.hint.posture);
         }
-        named(cell, "posture", &place(line, POSTURE)).map(Some)
+        named(cell, "posture", &row.place(POSTURE)).map(Some)
     }
 
     /// The cell of the observer or the repeat, which must be filled in all rows or in none; `None` if it is empty.
     fn naming<'a>(
         &mut self,
-        record: &'a ByteRecord,
-        line: u64,
+        row: Cells<'a>,
         column: Option<usize>,
         name: &'static str,
     ) -> Result<Option<&'a str>, LandmarkError> {
         let Some(column) = column else { return Ok(None) };
-        let cell = text(record, column, line, name)?;
+        let cell = row.text(column, name)?;
         let is_filled = !cell.is_empty();
         if *self.named.entry(name).or_insert(is_filled) != is_filled {
-            let (at, what) = (format!("line {line}"), format!("the {name}, which other rows"));
+            let (at, what) = (row.at(), format!("the {name}, which other rows"));
             let verb = if is_filled { " lack," } else { " have," };
             return Err(LandmarkError::Missing { at, what: what + verb });
         }
         Ok(is_filled.then_some(cell))
     }
 
-    fn reading(&mut self, record: &ByteRecord, line: u64) -> Result<ReadingId, LandmarkError> {
+    fn reading(&mut self, row: Cells<'_>) -> Result<ReadingId, LandmarkError> {
         let mut id = self.hint.reading.clone();
-        if let Some(cell) = self.naming(record, line, self.columns.observer, OBSERVER)? {
+        if let Some(cell) = self.naming(row, self.columns.observer, OBSERVER)? {
             if starts_formula(cell) {
                 return Err(LandmarkError::Value {
-                    at: place(line, OBSERVER),
+                    at: row.place(OBSERVER),
                     value: shown(cell),
                     expected: "the code of an observer: spreadsheets would read it as a formula",
                 });
             }
-            id.observer = observer(unguarded(cell), &place(line, OBSERVER))?;
+            id.observer = observer(unguarded(cell), &row.place(OBSERVER))?;
         }
-        if let Some(cell) = self.naming(record, line, self.columns.repeat, REPEAT)? {
+        if let Some(cell) = self.naming(row, self.columns.repeat, REPEAT)? {
             id.repeat = whole_number(cell).filter(|&repeat| repeat > 0).ok_or_else(|| {
                 LandmarkError::Value {
-                    at: place(line, REPEAT),
+                    at: row.place(REPEAT),
                     value: shown(cell),
                     expected: "a whole number from 1",
                 }
             })?;
         }
         Ok(id)
-    }
-
-    fn number(
-        &mut self,
-        record: &ByteRecord,
-        column: usize,
-        line: u64,
-        name: &str,
-    ) -> Result<f64, LandmarkError> {
-        let cell = text(record, column, line, name)?;
-        self.decimal.number(cell, line, &place(line, name))
     }
 
     fn finish(self) -> Result<LandmarkFile, LandmarkError> {
