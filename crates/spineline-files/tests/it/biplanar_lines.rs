@@ -26,8 +26,12 @@ struct Lines {
 }
 
 fn patients() -> Option<Vec<Lines>> {
-    let data = PathBuf::from(std::env::var_os("SPINELINE_DATA")?);
-    let folder = fs::read_dir(data.join("pcdare/xray_lines_upright30")).ok()?;
+    const FOLDER: &str = "pcdare/xray_lines_upright30";
+    let data = std::env::var_os("SPINELINE_DATA").map(PathBuf::from);
+    let Some(folder) = data.and_then(|data| fs::read_dir(data.join(FOLDER)).ok()) else {
+        println!("skipped: SPINELINE_DATA is not set, or holds no folder `{FOLDER}`");
+        return None;
+    };
     let mut paths: Vec<PathBuf> = folder.map(|entry| entry.expect("a file").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|end| end == "json"));
     paths.sort();
@@ -152,12 +156,7 @@ fn distance_mm(space: &SpatialOutline, lines: &Lines) -> f64 {
 
 #[test]
 fn vertebrae_of_biplanar_films_lie_on_the_line_in_space_of_others() {
-    let Some(patients) = patients() else {
-        println!(
-            "skipped: SPINELINE_DATA is not set, or holds no folder `pcdare/xray_lines_upright30`"
-        );
-        return;
-    };
+    let Some(patients) = patients() else { return };
     let template = SagittalProfile::default();
     let mut of_template: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (number, lines) in patients.iter().enumerate() {
@@ -204,10 +203,7 @@ fn vertebrae_of_biplanar_films_lie_on_the_line_in_space_of_others() {
 #[test]
 #[ignore = "writes cases of real patients to target/biplanar, for a picture of their profiles"]
 fn cases_of_biplanar_films_are_written() {
-    let Some(patients) = patients() else {
-        println!("skipped: SPINELINE_DATA holds no folder `pcdare/xray_lines_upright30`");
-        return;
-    };
+    let Some(patients) = patients() else { return };
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/biplanar"));
     fs::create_dir_all(&folder).expect("a folder");
     for (number, lines) in patients.iter().enumerate() {

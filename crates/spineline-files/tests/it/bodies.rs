@@ -9,7 +9,7 @@ use spineline::spatial::{Angle, Mat3, Vec3};
 use spineline_files::{ExportError, ExportFormat, export};
 use spineline_phantom::{SpacePhantom, SpaceSetup, generate_in_space};
 
-use super::exports::{Element, model, named, numbers, read, rotation};
+use super::exports::{Element, exported, model, named, numbers, read, rotation};
 
 /// Rounding of a shape of 500 mm that is written and read.
 const MM: f64 = 1e-10;
@@ -32,10 +32,6 @@ fn turned() -> (PersonalisedModel, SpacePhantom) {
         PersonalisedModel { spine: SpineModel::from_poses(midpoints, axes, &centres), ..model },
         phantom,
     )
-}
-
-fn written(model: &PersonalisedModel, format: ExportFormat) -> String {
-    export(model, format, "test").expect("a good model")
 }
 
 /// Text of the array of this name below this element.
@@ -62,7 +58,7 @@ fn six_volumes(triangles: impl Iterator<Item = [Vec3; 3]>) -> f64 {
 #[test]
 fn polydata_has_the_bodies_in_lps_with_their_angles() {
     let (model, phantom) = turned();
-    let (all, comments) = read(&written(&model, ExportFormat::Vtp));
+    let (all, comments) = read(&exported(&model, ExportFormat::Vtp));
     for word in ["SYNTHETIC", "not a medical device", "phantom-rod-01", "LPS in mm", "NOMINAL"] {
         assert!(comments[0].contains(word), "{word}");
     }
@@ -111,7 +107,7 @@ fn polydata_has_the_bodies_in_lps_with_their_angles() {
 #[test]
 fn gltf_places_a_named_node_per_vertebra_in_its_own_frame() {
     let (model, phantom) = turned();
-    let file: Value = serde_json::from_str(&written(&model, ExportFormat::Gltf)).expect("JSON");
+    let file: Value = serde_json::from_str(&exported(&model, ExportFormat::Gltf)).expect("JSON");
     assert_eq!(file["asset"]["version"], "2.0");
     assert_eq!(file["asset"]["extras"]["synthetic"], true);
     let list = |value: &Value| -> Vec<f64> {
@@ -157,7 +153,7 @@ fn bodies_need_no_springs_but_one_name_each() {
     let mut model = model(Support::Free);
     (model.stiffness[2][(0, 1)], model.stiffness[2][(1, 0)]) = (1e3, 1e3);
     for format in [ExportFormat::Vtp, ExportFormat::Gltf] {
-        assert_eq!(written(&model, format), written(&model, format));
+        assert_eq!(exported(&model, format), exported(&model, format));
     }
     model.levels[4] = model.levels[3];
     let refused = export(&model, ExportFormat::Gltf, "test").expect_err("two of one name");

@@ -10,10 +10,12 @@ use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline_files::{
-    AnalysisFile, CaseFile, FileError, FilmOrigin, FilmSource, InputFile, ModelFile, ProgramRun,
-    Provenance, Request, StiffnessFile, parse_case, parse_model, parse_stiffness, to_text,
+    AnalysisFile, CaseFile, FileError, FilmOrigin, FilmSource, InputFile, ModelFile, Provenance,
+    Request, StiffnessFile, parse_case, parse_model, parse_stiffness, to_text,
 };
 use spineline_phantom::{Phantom, Readers, Scenario, SpaceSetup, generate, generate_in_space};
+
+use super::repeat::run;
 
 fn phantom(readers: &Readers) -> Phantom {
     generate(2, Scenario::Rod, readers, 5).expect("subject 3 exists")
@@ -320,12 +322,7 @@ fn a_stored_model_gives_the_shapes_of_the_analysis() {
 }
 
 fn provenance() -> Provenance {
-    let run = ProgramRun {
-        program: "spineline 0".to_owned(),
-        command: vec!["spineline".to_owned(), "analyze".to_owned()],
-        date_utc: "2026-01-02T03:04:05Z".to_owned(),
-    };
-    Provenance::new(run, FilmOrigin::Synthetic, vec![InputFile::of("case.json", b"{}")])
+    Provenance::new(run(), FilmOrigin::Synthetic, vec![InputFile::of("case.json", b"{}")])
 }
 
 fn analysis_file(analysis: &Analysis, case: &Case) -> AnalysisFile {

@@ -7,15 +7,11 @@ use spineline::multibody::{PathEnding, Support};
 use spineline::spatial::{Mat3, Vec3};
 use spineline_files::{ExportError, ExportFormat, export};
 
-use super::exports::{Element, mirrored, model, named, numbers, read, rotation};
+use super::exports::{Element, exported, mirrored, model, named, numbers, read, rotation};
 
 /// The tolerance of the solver on hinges of a few hundred N·m/rad.
 const NM: f64 = 1e-6;
 const RAD: f64 = 1e-9;
-
-fn exported(model: &PersonalisedModel, format: ExportFormat) -> String {
-    export(model, format, "test").expect("a good model")
-}
 
 /// The same model with small forces at T2's midpoint.
 fn pushed_at_t2(support: Support) -> PersonalisedModel {

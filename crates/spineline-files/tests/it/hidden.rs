@@ -5,10 +5,12 @@ use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Corners, Origin};
 use spineline_files::{
-    AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, parse_analysis,
-    parse_load, parse_model, to_text,
+    AnalysisFile, CaseFile, FilmOrigin, ModelFile, Provenance, Request, parse_analysis, parse_load,
+    parse_model, to_text,
 };
 use spineline_phantom::{Readers, Scenario, generate};
+
+use super::repeat::run;
 
 fn whole() -> Case {
     generate(0, Scenario::Bend, &Readers::exact(), 1).expect("subject 1 exists").case
@@ -34,12 +36,7 @@ fn analyzed(case: &Case) -> Analysis {
 }
 
 fn json(analysis: &Analysis, case: &Case) -> Value {
-    let run = ProgramRun {
-        program: "spineline 0".to_owned(),
-        command: Vec::new(),
-        date_utc: "2026-01-02T03:04:05Z".to_owned(),
-    };
-    let provenance = Provenance::new(run, FilmOrigin::Synthetic, Vec::new());
+    let provenance = Provenance::new(run(), FilmOrigin::Synthetic, Vec::new());
     let request = Request { options: analysis.options.clone(), ..Request::default() };
     let file = AnalysisFile::new(analysis, CaseFile::from_case(case), provenance.asking(&request));
     serde_json::from_str(&to_text(&file)).expect("JSON")

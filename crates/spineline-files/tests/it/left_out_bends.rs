@@ -1,28 +1,16 @@
 //! Bends of real patients that were left out, on public spine lines: the published numbers hold, and a distribution of joint
 //! rotations predicts patients that it was not learned from better than any line does.
 
-use std::fs;
-use std::path::PathBuf;
-
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, LinesCompared, analyze};
 use spineline::cohort::{Cohort, CohortPatient, learn_rotation_prior};
 use spineline::evaluate::Baseline;
 use spineline::number;
-use spineline_files::parse_case;
+
+use crate::public_cases::cases;
 
 /// Differences from `validation/lines.md` and `docs/decisions/0034` that are worth a correction there.
 const PUBLISHED_TO_MM: f64 = 0.2;
-
-/// The public cases of real patients, where they are.
-pub fn cases() -> Option<Vec<Case>> {
-    let folder = PathBuf::from(std::env::var_os("SPINELINE_DATA")?).join("pcdare/cases");
-    let mut paths: Vec<PathBuf> =
-        fs::read_dir(folder).ok()?.map(|entry| entry.expect("a file").path()).collect();
-    paths.sort();
-    let read = |path: &PathBuf| fs::read_to_string(path).expect("a case");
-    Some(paths.iter().map(|path| parse_case(&read(path)).expect("a case")).collect())
-}
 
 fn analyzed(case: &Case, options: &AnalysisOptions) -> Analysis {
     analyze(case, options).expect("a sound case")
@@ -45,10 +33,7 @@ fn line_error_mm(compared: &LinesCompared, kind: LineKind) -> Option<f64> {
 
 #[test]
 fn left_out_bends_of_real_patients_have_the_errors_that_are_published() {
-    let Some(cases) = cases() else {
-        println!("skipped: SPINELINE_DATA is not set, or holds no folder `pcdare/cases`");
-        return;
-    };
+    let Some(cases) = cases() else { return };
     let analyses: Vec<Analysis> =
         cases.iter().map(|case| analyzed(case, &AnalysisOptions::default())).collect();
     let patients: Vec<CohortPatient> = analyses.iter().map(CohortPatient::of).collect();
@@ -78,10 +63,7 @@ fn left_out_bends_of_real_patients_have_the_errors_that_are_published() {
 
 #[test]
 fn rotations_of_half_of_the_patients_predict_the_others_better_than_lines_do() {
-    let Some(cases) = cases() else {
-        println!("skipped: SPINELINE_DATA is not set, or holds no folder `pcdare/cases`");
-        return;
-    };
+    let Some(cases) = cases() else { return };
     let (known, unseen) = cases.split_at(cases.len().div_ceil(2));
     let known: Vec<CohortPatient> = known
         .iter()

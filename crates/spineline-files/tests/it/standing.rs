@@ -1,17 +1,17 @@
 //! Exported models say which vertebrae were measured beyond the erect film, and which were assumed.
 
 use serde_json::Value;
-use spineline::analysis::{AnalysisOptions, AxialSource, PersonalisedModel, PitchSource, analyze};
+use spineline::analysis::{AnalysisOptions, AxialSource, PitchSource, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::body_widths;
 use spineline::multibody::{StiffnessLibrary, Support};
 use spineline::spatial::Vec3;
-use spineline_files::{ExportFormat, ModelFile, export, parse_model, to_text};
+use spineline_files::{ExportFormat, ModelFile, parse_model, to_text};
 use spineline_phantom::{
     BentPhantom, Readers, Scenario, SpaceBending, SpaceSetup, generate, generate_bends_in_space,
 };
 
-use super::exports::{model, named, numbers, read};
+use super::exports::{exported, model, named, numbers, read};
 
 /// Levels that the lateral film shows, and those with pedicles, of the case below.
 const ON_LATERAL: std::ops::RangeInclusive<Level> = Level::L4..=Level::T4;
@@ -39,10 +39,6 @@ fn partly_measured() -> String {
     to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"))
 }
 
-fn written(model: &PersonalisedModel, format: ExportFormat) -> String {
-    export(model, format, "test").expect("a good model")
-}
-
 #[test]
 fn every_format_says_what_was_measured() {
     let model = parse_model(&partly_measured()).expect("our own file").model;
@@ -61,7 +57,7 @@ fn every_format_says_what_was_measured() {
         assert_eq!((*pitch, *axial), (Some(pitch_from), Some(axial_from)), "{level}");
     }
     for format in ExportFormat::ALL {
-        let text = written(&model, format);
+        let text = exported(&model, format);
         for part in [
             "MEASURED on the lateral film (L4 to T4); ASSUMED, the profile of a population (T3 to T2)",
             "NOT KNOWN, and zero here (L4 to L1, T5 to T2); MEASURED from both pedicles on the erect film (T12 to T6)",
@@ -74,13 +70,13 @@ fn every_format_says_what_was_measured() {
 #[test]
 fn files_for_views_say_it_by_vertebra() {
     let model = parse_model(&partly_measured()).expect("our own file").model;
-    let file: Value = serde_json::from_str(&written(&model, ExportFormat::Gltf)).expect("JSON");
+    let file: Value = serde_json::from_str(&exported(&model, ExportFormat::Gltf)).expect("JSON");
     let nodes = file["nodes"].as_array().expect("nodes");
     assert_eq!(nodes[0]["extras"]["pitch_from"], "lateral_film");
     assert_eq!(nodes[0]["extras"]["axial_rotation_from"], "unknown");
     assert_eq!(nodes[14]["extras"]["pitch_from"], "population");
     assert_eq!(nodes[6]["extras"]["axial_rotation_from"], "pedicles");
-    let (all, _) = read(&written(&model, ExportFormat::Vtp));
+    let (all, _) = read(&exported(&model, ExportFormat::Vtp));
     let arrays = named(&all, "DataArray");
     for (name, measured) in [("pitch_measured", 13), ("axial_rotation_measured", 7)] {
         let found = arrays.iter().filter(|array| array.attribute("Name") == name);
@@ -113,13 +109,13 @@ fn widths_are_those_between_the_corners_of_the_erect_film_and_else_typical() {
         .collect();
     let mut model = analysis.personalised_model(&analysis.models[0]);
     let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
-    let text = written(&model, ExportFormat::Vtp);
+    let text = exported(&model, ExportFormat::Vtp);
     assert!(near(&drawn_widths_mm(&text), &wanted));
     assert!(text.contains("MEASURED between the corners on the erect film (L4 to T2)"));
     let sizes = analysis.body_sizes();
     assert!(near(&sizes.iter().map(|size| size.width_mm).collect::<Vec<_>>(), &wanted));
     model.widths_mm[3] = None;
-    let text = written(&model, ExportFormat::Vtp);
+    let text = exported(&model, ExportFormat::Vtp);
     let drawn = drawn_widths_mm(&text);
     assert!((drawn[3] - wanted[3]).abs() > 1e-3, "L1 is typical now");
     assert!(near(&drawn[4..], &wanted[4..]));
@@ -138,11 +134,11 @@ fn a_model_without_a_lateral_film_is_assumed_and_a_file_may_not_say() {
         assert!(vertebra.remove("axial_rotation_from").is_some());
     }
     let silent = parse_model(&silent.to_string()).expect("a file that does not say").model;
-    let text = written(&silent, ExportFormat::Mjcf);
+    let text = exported(&silent, ExportFormat::Mjcf);
     assert!(text.contains("which the model file does not say (L4 to T2)"), "{text}");
     for part in ["MEASURED on the lateral film", "MEASURED from both pedicles"] {
         assert!(!text.contains(part), "{part}");
     }
-    let view = written(&silent, ExportFormat::Vtp);
+    let view = exported(&silent, ExportFormat::Vtp);
     assert!(view.contains("-1"), "not stated");
 }
