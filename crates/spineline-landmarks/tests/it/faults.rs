@@ -13,14 +13,14 @@ use spineline_landmarks::{
 
 use crate::exchange;
 
-const HEADING: &str = "posture,observer,repeat,vertebra,superior_left_column_px,superior_left_row_px,superior_right_column_px,\
+pub const HEADING: &str = "posture,observer,repeat,vertebra,superior_left_column_px,superior_left_row_px,superior_right_column_px,\
 superior_right_row_px,inferior_left_column_px,inferior_left_row_px,inferior_right_column_px,inferior_right_row_px";
 
-fn hint() -> LandmarkHint {
+pub fn hint() -> LandmarkHint {
     LandmarkHint { patient_left: Some(ImageSide::Right), ..LandmarkHint::default() }
 }
 
-fn image() -> ImageGeometry {
+pub fn image() -> ImageGeometry {
     ImageGeometry { columns: 1000, rows: 2000, spacing: None, patient_left: ImageSide::Right }
 }
 

@@ -7,12 +7,9 @@ use spineline_landmarks::{
     parse_labelme, parse_landmarks, parse_mat, parse_slicer,
 };
 
-const HEADING: &str = "posture,observer,repeat,vertebra,superior_left_column_px,superior_left_row_px,superior_right_column_px,superior_right_row_px,inferior_left_column_px,inferior_left_row_px,inferior_right_column_px,inferior_right_row_px";
-const CORNERS: [&str; 4] = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
+use crate::faults::{HEADING, hint, image};
 
-fn hint() -> LandmarkHint {
-    LandmarkHint { patient_left: Some(ImageSide::Right), ..LandmarkHint::default() }
-}
+const CORNERS: [&str; 4] = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
 
 /// Corners of a straight spine, whose left is on the right of the picture.
 fn places(level: Level) -> [[f64; 2]; 4] {
@@ -351,11 +348,9 @@ fn aasce(order: [usize; 4]) -> Vec<[f64; 2]> {
 
 #[test]
 fn corners_that_run_around_every_body_are_named_as_exchanged() {
-    let image =
-        ImageGeometry { columns: 1000, rows: 2000, spacing: None, patient_left: ImageSide::Right };
     let judged = |order| {
         let mut file = parse_mat(&mat(&aasce(order)), &hint()).expect("a film");
-        file.films.remove(0).into_film(Some(Posture::Erect), Some(image))
+        file.films.remove(0).into_film(Some(Posture::Erect), Some(image()))
     };
     judged([0, 1, 2, 3]).expect("the order of the set");
     for (order, words) in [

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-use spineline::analysis::{AnalysisOptions, Case, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::hypothesis::{Hypothesis, LoadShape};
 use spineline::measure::{Corners, Origin};
@@ -39,6 +39,12 @@ fn everything(case: &Case) -> Vec<Table> {
         identifiability: Some(&identified),
         uncertainty: Some(&spread),
     }])
+}
+
+/// The tables of a patient without optional results.
+fn tables_of(case: &Case, analysis: &Analysis) -> Vec<Table> {
+    let subject = &case.subject;
+    tables(&[Patient { analysis, subject, identifiability: None, uncertainty: None }])
 }
 
 fn table<'a>(all: &'a [Table], name: &str) -> &'a Table {
@@ -106,13 +112,7 @@ fn a_lateral_film_adds_the_vertebrae_in_space() {
     let setup = SpaceSetup { pedicles: true, ..SpaceSetup::default() };
     let case = generate_in_space(&setup).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let patient = Patient {
-        analysis: &analysis,
-        subject: &case.subject,
-        identifiability: None,
-        uncertainty: None,
-    };
-    let all = tables(&[patient]);
+    let all = tables_of(&case, &analysis);
     let vertebrae = table(&all, "space_vertebrae");
     assert_eq!(vertebrae.rows(), Level::ALL.len());
     let [film, space] = ["pitch_2d_deg", "pitch_3d_deg"].map(|name| numbers(vertebrae, name));
@@ -154,13 +154,7 @@ fn a_vertebra_has_the_origin_of_its_corners() {
         }
     }
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let subject = &case.subject;
-    let all = tables(&[Patient {
-        analysis: &analysis,
-        subject,
-        identifiability: None,
-        uncertainty: None,
-    }]);
+    let all = tables_of(&case, &analysis);
     let vertebrae = table(&all, "vertebrae");
     let origins = texts(vertebrae, "origin");
     let levels = texts(vertebrae, "level");
@@ -284,12 +278,7 @@ fn commas_quotes_and_other_scripts_round_trip() {
     let odd = "脊柱,\"عمود\"\nfقري";
     let case = Case { id: odd.to_owned(), ..case(2) };
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let all = tables(&[Patient {
-        analysis: &analysis,
-        subject: &case.subject,
-        identifiability: None,
-        uncertainty: None,
-    }]);
+    let all = tables_of(&case, &analysis);
     let text = all[0].to_csv().expect("text");
     let mut csv = csv::Reader::from_reader(text.as_bytes());
     let row = csv.records().next().expect("a row").expect("whole");
