@@ -188,15 +188,11 @@ pub(crate) fn rows<'a, T, I: IntoIterator<Item = T>>(
     patients: &[Patient<'a>],
     items: impl Fn(Patient<'a>) -> I,
 ) -> Vec<Row<'a, T>> {
-    let of_patient =
-        |&patient: &Patient<'a>| items(patient).into_iter().map(move |item| patient.row(item));
+    let of_patient = |&patient: &Patient<'a>| {
+        let analysis = patient.analysis;
+        items(patient).into_iter().map(move |item| Row { analysis, item })
+    };
     patients.iter().flat_map(of_patient).collect()
-}
-
-impl<'a> Patient<'a> {
-    pub(crate) fn row<T>(&self, item: T) -> Row<'a, T> {
-        Row { analysis: self.analysis, item }
-    }
 }
 
 /// A table of these rows.

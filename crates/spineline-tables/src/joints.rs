@@ -5,7 +5,7 @@ use spineline::evaluate::Simulation;
 use spineline::personalize::evidence::{ContradictedJoint, JointEvidence};
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed};
+use crate::define::{Columns, Row, Unit, keyed, rows};
 use crate::table::Table;
 use crate::vertebrae::simulations;
 
@@ -32,19 +32,19 @@ type JointRow<'a> = Row<'a, Joint<'a>>;
 
 /// One row per patient, moved posture, line and joint; of a posture without a model, one per joint.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<JointRow<'_>> = Vec::new();
-    for patient in patients {
+    let rows = rows(patients, |patient| {
+        let mut all = Vec::new();
         for posture in &patient.analysis.movement.films {
             let Some(evidence) = &posture.evidence else { continue };
             for simulated in simulations(patient.analysis, posture) {
                 let pairs = evidence.levels.joint_pairs();
                 for ([inferior, superior], evidence) in pairs.zip(&evidence.joints) {
-                    let item = Joint { posture, inferior, superior, evidence, simulated };
-                    rows.push(patient.row(item));
+                    all.push(Joint { posture, inferior, superior, evidence, simulated });
                 }
             }
         }
-    }
+        all
+    });
     let row = "patient × moved posture × line × joint; measured values are repeated in the rows of every line, and `line` is empty without a model";
     keyed("joints", row, &rows, columns_of_joints)
 }

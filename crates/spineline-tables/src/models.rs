@@ -71,16 +71,17 @@ type MultiplierRow<'a> = Row<'a, Multiplier<'a>>;
 
 /// One row per patient, line and group of joints.
 pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<MultiplierRow<'_>> = Vec::new();
-    for patient in patients {
+    let rows = rows(patients, |patient| {
+        let mut all = Vec::new();
         for (i, model) in patient.analysis.models.iter().enumerate() {
-            let identified = patient.identifiability.and_then(|all| all[i].as_ref());
-            rows.extend((0..model.groups.len()).map(|group| {
+            let identified = patient.identifiability.and_then(|found| found[i].as_ref());
+            all.extend((0..model.groups.len()).map(|group| {
                 let found = identified.map(|identified| &identified.multipliers[group]);
-                patient.row(Multiplier { model, group, found })
+                Multiplier { model, group, found }
             }));
         }
-    }
+        all
+    });
     let row = "patient × line × group of joints with one multiplier";
     keyed("multipliers", row, &rows, columns_of_multipliers)
 }
@@ -158,29 +159,23 @@ type SpringsRow<'a> = Row<'a, Springs<'a>>;
 
 /// One row per patient, line and joint.
 pub(crate) fn springs(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<SpringsRow<'_>> = Vec::new();
-    for patient in patients {
+    let rows = rows(patients, |patient| {
         let library = &patient.analysis.movement.library;
-        for model in &patient.analysis.models {
+        patient.analysis.models.iter().flat_map(move |model| {
             let personal = model.stiffness_nmm_per_rad(library);
             let joints = library.rows().iter().zip(personal);
-            rows.extend(joints.map(|(nominal, personal_nmm_per_rad)| {
-                patient.row(Springs { model, nominal, personal_nmm_per_rad })
-            }));
-        }
-    }
+            joints.map(move |(nominal, personal_nmm_per_rad)| Springs {
+                model,
+                nominal,
+                personal_nmm_per_rad,
+            })
+        })
+    });
     keyed("springs", "patient × line × joint", &rows, columns_of_springs)
 }
 
-fn newton_metres(nmm_per_rad: [f64; 3], axis: usize) -> Option<f64> {
-    Some(nmm_per_rad[axis] / 1000.0)
-}
-
-/// A personalised spring in N·m/rad, where a force was measured.
-fn absolute_spring(row: &SpringsRow<'_>, axis: usize) -> Option<f64> {
-    absolute(row.analysis, row.model)
-        .then(|| newton_metres(row.personal_nmm_per_rad, axis))
-        .flatten()
+fn newton_metres(nmm_per_rad: [f64; 3], axis: usize) -> f64 {
+    nmm_per_rad[axis] / 1000.0
 }
 
 fn columns_of_springs(add: &mut Columns<'_, SpringsRow<'_>>) {
@@ -199,24 +194,17 @@ fn columns_of_springs(add: &mut Columns<'_, SpringsRow<'_>>) {
         "personalised lateral stiffness relative to the nominal one; without a known force only ratios between joints are identified",
         |row| row.personal_nmm_per_rad[0] / row.nominal.nmm_per_rad[0],
     );
-    add.number(
-        "lateral",
-        Unit::NewtonMetresPerRadian,
-        "personalised lateral stiffness; empty where no force was measured",
-        |row| absolute_spring(row, 0),
-    );
-    add.number(
-        "flexion",
-        Unit::NewtonMetresPerRadian,
-        "personalised stiffness about the flexion hinge, likewise",
-        |row| absolute_spring(row, 1),
-    );
-    add.number(
-        "axial",
-        Unit::NewtonMetresPerRadian,
-        "personalised stiffness about the axial hinge, likewise",
-        |row| absolute_spring(row, 2),
-    );
+    let personalised = [
+        ("lateral", "personalised lateral stiffness; empty where no force was measured"),
+        ("flexion", "personalised stiffness about the flexion hinge, likewise"),
+        ("axial", "personalised stiffness about the axial hinge, likewise"),
+    ];
+    for (axis, (name, meaning)) in personalised.into_iter().enumerate() {
+        add.number(name, Unit::NewtonMetresPerRadian, meaning, |row| {
+            let known = absolute(row.analysis, row.model);
+            known.then(|| newton_metres(row.personal_nmm_per_rad, axis))
+        });
+    }
     add.text("source", "source of the nominal values", |row| row.nominal.source.clone());
 }
 

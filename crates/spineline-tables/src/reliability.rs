@@ -1,7 +1,7 @@
 use spineline::reliability::{Design, Statistic};
 
 use crate::Patient;
-use crate::define::{Columns, ENDS_95, Row, Unit, keyed};
+use crate::define::{Columns, ENDS_95, Row, Unit, keyed, rows};
 use crate::statistics::columns_of_design;
 use crate::table::Table;
 
@@ -18,22 +18,21 @@ type ReliabilityRow<'a> = Row<'a, StatisticRow>;
 
 /// One row per patient, quantity, design and statistic; empty where every film was read once.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<ReliabilityRow<'_>> = Vec::new();
-    for patient in patients {
+    let rows = rows(patients, |patient| {
+        let mut all = Vec::new();
         for found in patient.analysis.reliability() {
             for design in &found.designs {
-                rows.extend(design.statistics.iter().map(|&statistic| {
-                    patient.row(StatisticRow {
-                        quantity: found.key.clone(),
-                        unit: found.unit.clone(),
-                        design: design.design.clone(),
-                        subjects: design.subjects,
-                        statistic,
-                    })
+                all.extend(design.statistics.iter().map(|&statistic| StatisticRow {
+                    quantity: found.key.clone(),
+                    unit: found.unit.clone(),
+                    design: design.design.clone(),
+                    subjects: design.subjects,
+                    statistic,
                 }));
             }
         }
-    }
+        all
+    });
     let row = "patient × quantity × design × statistic";
     keyed("reliability", row, &rows, columns_of_statistics)
 }

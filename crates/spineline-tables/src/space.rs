@@ -21,16 +21,16 @@ type VertebraRow<'a> = Row<'a, InSpace<'a>>;
 
 /// One row per patient and vertebra on both films; empty without a lateral film.
 pub(crate) fn vertebrae(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<VertebraRow<'_>> = Vec::new();
-    for patient in patients {
-        let Some(space) = &patient.analysis.movement.space else { continue };
+    let rows = rows(patients, |patient| {
+        let Some(space) = &patient.analysis.movement.space else { return Vec::new() };
         let error = patient.analysis.template_error();
-        rows.extend(space.vertebrae.iter().map(|vertebra| {
+        let vertebrae = space.vertebrae.iter().map(|vertebra| {
             let mut known = error.iter().flat_map(|error| &error.vertebrae);
             let template = known.find(|v| v.level == vertebra.level).map(|v| v.template);
-            patient.row(InSpace { space, vertebra, template })
-        }));
-    }
+            InSpace { space, vertebra, template }
+        });
+        vertebrae.collect()
+    });
     let row = "patient × vertebra on the erect and the lateral film";
     keyed("space_vertebrae", row, &rows, |add| {
         places(add);

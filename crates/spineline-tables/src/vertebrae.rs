@@ -4,7 +4,7 @@ use spineline::evaluate::Simulation;
 use spineline::measure::MeasuredVertebra;
 
 use crate::Patient;
-use crate::define::{Columns, LENGTHS, Row, Unit, keyed};
+use crate::define::{Columns, LENGTHS, Row, Unit, keyed, rows};
 use crate::table::{NumberFormat, REFUSED, Series, Table};
 
 /// A vertebra on a film, and under one line of action.
@@ -49,17 +49,16 @@ pub(crate) fn simulations<'a>(
 
 /// One row per patient, posture, line and vertebra; of a posture without a model, one per vertebra.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<VertebraRow<'_>> = Vec::new();
-    for patient in patients {
+    let rows = rows(patients, |patient| {
+        let mut all = Vec::new();
         for posture in &patient.analysis.movement.films {
             for simulated in simulations(patient.analysis, posture) {
                 let of_level = |index| Vertebra { posture, index, simulated };
-                rows.extend(
-                    (0..posture.outline.vertebrae.len()).map(|index| patient.row(of_level(index))),
-                );
+                all.extend((0..posture.outline.vertebrae.len()).map(of_level));
             }
         }
-    }
+        all
+    });
     let row = "patient × posture × line × vertebra; measured values are repeated in the rows of every line, and `line` is empty without a model";
     keyed("vertebrae", row, &rows, |add| {
         measured(add);
