@@ -10,6 +10,10 @@ use super::{
 use crate::names::shown;
 use crate::{ColumnHint, LandmarkError};
 
+/// Columns that only a table of corners has, beside the corners.
+const BESIDE_CORNERS: [&[&str]; 6] =
+    [&CONFIDENCES, &ORIGINS, &WALLS, &PEDICLES, &[AXIS], &[SD_SHARE]];
+
 /// The view of the films in a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum View {
@@ -31,11 +35,9 @@ impl View {
         let mut all = vec![OBSERVER, REPEAT, VERTEBRA];
         all.extend(self.corners());
         if self == Self::Frontal {
-            all.extend([POSTURE, AXIS, SD_SHARE]);
+            all.push(POSTURE);
             all.extend(PLACED);
-            for four in [CONFIDENCES, ORIGINS, WALLS, PEDICLES] {
-                all.extend(four);
-            }
+            all.extend(BESIDE_CORNERS.concat());
         }
         all
     }
@@ -107,11 +109,8 @@ impl Columns {
             })
         };
         let placed = PLACED.iter().any(|name| get(name).is_some());
-        let of_corners = || {
-            let more = CONFIDENCES.iter().chain(&ORIGINS).chain(&WALLS).chain(&PEDICLES);
-            CORNERS.iter().chain(more).chain([&AXIS, &SD_SHARE])
-        };
-        if placed && of_corners().any(|name| get(name).is_some()) {
+        let mut of_corners = CORNERS.into_iter().chain(BESIDE_CORNERS.concat());
+        if placed && of_corners.any(|name| get(name).is_some()) {
             return Err(LandmarkError::Ambiguous {
                 at: format!("line {line}"),
                 reason:

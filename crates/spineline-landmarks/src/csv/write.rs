@@ -1,7 +1,7 @@
 use csv::{Terminator, WriterBuilder};
 use spineline::measure::{Film, FilmLandmarks, Origin, Reading, VertebraLandmarks};
 use spineline::spatial::Pixel;
-use spineline_files::guarded;
+use spineline_files::{guarded, written_axis_deg};
 
 use super::{
     AXIS, CONFIDENCES, CORNERS, CRESTS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE, REPEAT,
@@ -126,11 +126,8 @@ fn add_film(
                     let mut row = vec![posture.to_owned()];
                     row.extend(start(reading, level.name())?);
                     row.extend(cells(landmark.corners.points()));
-                    let axis = landmark.axis_clockwise;
-                    // As in case files: steps of 0.1° without the rounding of radians.
-                    row.push(axis.map_or(String::new(), |axis| {
-                        ((axis.deg() * 1e9).round() / 1e9).to_string()
-                    }));
+                    let axis_deg = landmark.axis_clockwise.map(written_axis_deg);
+                    row.push(axis_deg.map_or(String::new(), |deg| deg.to_string()));
                     row.extend(optional.iter().flat_map(|part| part.cells(landmark)));
                     rows.push(row);
                 }
