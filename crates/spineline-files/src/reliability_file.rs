@@ -53,7 +53,7 @@ struct DesignRecord {
     dropped: usize,
     statistics: Vec<StatisticRecord>,
     bland_altman: Vec<BlandAltmanRecord>,
-    remarks: Vec<RemarkRecord>,
+    remarks: Vec<ReasonRecord>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -97,8 +97,6 @@ struct ReasonRecord {
     message: String,
 }
 
-type RemarkRecord = ReasonRecord;
-
 impl ReliabilityFile {
     /// The file of the results.
     #[must_use]
@@ -138,7 +136,9 @@ fn design(found: &DesignReliability, unit: &str) -> DesignRecord {
         Design::InterObserverSingle { repeat } => (None, Some(*repeat)),
         Design::IntraObserver { observer } => (Some(observer.clone()), None),
     };
-    let remark = |code: &str, message: String| ReasonRecord { code: code.to_owned(), message };
+    let remarks = found.remarks.iter();
+    let remarks =
+        remarks.map(|r| ReasonRecord { code: r.key().to_owned(), message: r.to_string() });
     DesignRecord {
         design: found.design.key().to_owned(),
         observer,
@@ -149,7 +149,7 @@ fn design(found: &DesignReliability, unit: &str) -> DesignRecord {
         dropped: found.dropped,
         statistics: found.statistics.iter().map(|s| statistic(s, unit)).collect(),
         bland_altman: found.bland_altman.iter().map(bland_altman).collect(),
-        remarks: found.remarks.iter().map(|r| remark(r.key(), r.to_string())).collect(),
+        remarks: remarks.collect(),
     }
 }
 

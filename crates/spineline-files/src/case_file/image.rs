@@ -1,5 +1,6 @@
 //! The picture of a film: size, spacing, sides and file.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use spineline::anatomy::{FilmView, ImageSide, Posture};
@@ -126,8 +127,8 @@ impl FilmSource {
 /// [`FileError`].
 pub fn parse_image(image: &Value, view: FilmView) -> Result<ImageGeometry, FileError> {
     match view {
-        FilmView::Frontal(posture) => record(image)?.geometry(posture),
-        FilmView::Lateral => lateral_record(image)?.geometry(),
+        FilmView::Frontal(posture) => record::<ImageRecord>(image)?.geometry(posture),
+        FilmView::Lateral => record::<LateralImageRecord>(image)?.geometry(),
     }
 }
 
@@ -135,16 +136,8 @@ pub fn parse_image(image: &Value, view: FilmView) -> Result<ImageGeometry, FileE
 #[must_use]
 pub fn image_value(view: FilmView, image: &ImageGeometry, source: FilmSource) -> Value {
     match view {
-        FilmView::Frontal(_) => {
-            let mut record = ImageRecord::of(image);
-            record.set_source(source);
-            json(record)
-        }
-        FilmView::Lateral => {
-            let mut record = LateralImageRecord::of(image);
-            record.set_source(source);
-            json(record)
-        }
+        FilmView::Frontal(_) => json(ImageRecord::of(image, source)),
+        FilmView::Lateral => json(LateralImageRecord::of(image, source)),
     }
 }
 
@@ -162,19 +155,15 @@ pub fn with_geometry(
     change: impl FnOnce(&mut ImageGeometry),
 ) -> Result<Value, FileError> {
     let source = match view {
-        FilmView::Frontal(_) => record(image)?.source(),
-        FilmView::Lateral => lateral_record(image)?.source(),
+        FilmView::Frontal(_) => record::<ImageRecord>(image)?.source(),
+        FilmView::Lateral => record::<LateralImageRecord>(image)?.source(),
     };
     let mut geometry = parse_image(image, view)?;
     change(&mut geometry);
     Ok(image_value(view, &geometry, source))
 }
 
-fn record(image: &Value) -> Result<ImageRecord, FileError> {
-    parse_value(&image.to_string())
-}
-
-fn lateral_record(image: &Value) -> Result<LateralImageRecord, FileError> {
+fn record<T: DeserializeOwned>(image: &Value) -> Result<T, FileError> {
     parse_value(&image.to_string())
 }
 
@@ -222,7 +211,7 @@ impl ImageRecord {
         })
     }
 
-    pub fn of(image: &ImageGeometry) -> Self {
+    pub fn of(image: &ImageGeometry, source: FilmSource) -> Self {
         let (spacing, scale) = (image.spacing, image.scale());
         Self {
             columns: image.columns,
@@ -236,9 +225,9 @@ impl ImageRecord {
                 .filter(|source| *source != SpacingSource::Stated),
             spacing_relative_sd: spacing.and_then(|s| s.relative_sd),
             patient_left: image.patient_left,
-            file: None,
-            sha256: None,
-            inverted: false,
+            file: source.file,
+            sha256: source.sha256,
+            inverted: source.inverted,
         }
     }
 }
@@ -263,7 +252,7 @@ impl LateralImageRecord {
         })
     }
 
-    pub fn of(image: &ImageGeometry) -> Self {
+    pub fn of(image: &ImageGeometry, source: FilmSource) -> Self {
         Self {
             columns: image.columns,
             rows: image.rows,
@@ -271,9 +260,9 @@ impl LateralImageRecord {
             row_spacing_mm: image.scale().map(|s| s.row_mm),
             pixel_aspect: image.spacing.filter(|s| !s.has_millimetres()).map(|s| s.aspect()),
             patient_anterior: image.patient_left,
-            file: None,
-            sha256: None,
-            inverted: false,
+            file: source.file,
+            sha256: source.sha256,
+            inverted: source.inverted,
         }
     }
 

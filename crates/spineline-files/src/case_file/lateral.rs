@@ -61,7 +61,7 @@ impl LateralRecord {
 
     pub fn of(film: &LateralFilm) -> Self {
         Self {
-            image: LateralImageRecord::of(&film.image),
+            image: LateralImageRecord::of(&film.image, FilmSource::default()),
             simultaneous: film.simultaneous,
             readings: film.readings.iter().map(LateralReadingRecord::of).collect(),
         }

@@ -291,7 +291,7 @@ impl FilmRecord {
         match &film.landmarks {
             FilmLandmarks::Corners { image, iliac_crests, readings } => Self {
                 posture,
-                image: Some(ImageRecord::of(image)),
+                image: Some(ImageRecord::of(image, FilmSource::default())),
                 iliac_crests_px: *iliac_crests,
                 lengths: None,
                 placement_source: PlacementSource::Vertebrae,
