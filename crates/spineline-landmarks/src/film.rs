@@ -256,17 +256,10 @@ impl<P: Copy> Points<P> {
         reading: &str,
     ) -> Result<Option<Corners<f64>>, LandmarkError> {
         let get = |corner| self.confidences.get(&PointName::Corner(level, corner)).copied();
-        match CornerName::ALL.map(get) {
-            [None, None, None, None] => Ok(None),
-            [Some(sl), Some(sr), Some(il), Some(ir)] => Ok(Some([sl, sr, il, ir].into())),
-            _ => {
-                let missing = CornerName::ALL.into_iter().filter(|&corner| get(corner).is_none());
-                Err(LandmarkError::Confidences {
-                    what: format!("{reading}, {level}"),
-                    missing: missing.map(|corner| corner.key().to_owned()).collect(),
-                })
-            }
-        }
+        all_or_none(CornerName::ALL.map(get)).map_err(|missing| LandmarkError::Confidences {
+            what: format!("{reading}, {level}"),
+            missing,
+        })
     }
 
     /// A remark if confidences of iliac crests are left out: a case cannot hold them.
@@ -302,15 +295,12 @@ impl<P: Copy> Points<P> {
         for name in self.found.keys() {
             let PointName::Corner(level, _) = *name else { continue };
             let get = |corner| self.found.get(&PointName::Corner(level, corner)).map(|p| p.0);
-            if let [Some(sl), Some(sr), Some(il), Some(ir)] = CornerName::ALL.map(get) {
-                bodies.insert(level, [sl, sr, il, ir].into());
-                continue;
-            }
-            let missing = CornerName::ALL.into_iter().filter(|&corner| get(corner).is_none());
-            return Err(LandmarkError::Incomplete {
+            let corners = all_or_none(CornerName::ALL.map(get));
+            let corners = corners.map_err(|missing| LandmarkError::Incomplete {
                 what: format!("{reading}, {level}"),
-                missing: missing.map(|corner| corner.key().to_owned()).collect(),
-            });
+                missing,
+            })?;
+            bodies.extend(corners.map(|corners| (level, corners)));
         }
         Ok(bodies)
     }
@@ -328,6 +318,19 @@ impl<P: Copy> Points<P> {
                         .to_string(),
                 ],
             }),
+        }
+    }
+}
+
+/// The values of the four corners of a body, or none; otherwise the names of the corners that lack one.
+fn all_or_none<T>(values: [Option<T>; 4]) -> Result<Option<Corners<T>>, Vec<String>> {
+    match values {
+        [None, None, None, None] => Ok(None),
+        [Some(sl), Some(sr), Some(il), Some(ir)] => Ok(Some([sl, sr, il, ir].into())),
+        some => {
+            let corners = CornerName::ALL.into_iter().zip(some);
+            let missing = corners.filter(|(_, value)| value.is_none());
+            Err(missing.map(|(corner, _)| corner.key().to_owned()).collect())
         }
     }
 }
