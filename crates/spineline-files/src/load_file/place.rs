@@ -116,7 +116,7 @@ impl LoadFile {
                 LoadPlace::Item(place) => placed.load_of_item[place],
                 LoadPlace::Rod(place) => placed.load_of_rod[place],
             };
-            self.refused(number, &reason(&error.fault, model), error.help())
+            self.refused(number, reason(&error.fault, model), error.help())
         })?;
         Ok(placed)
     }
@@ -162,7 +162,7 @@ impl LoadFile {
         let found = model.levels.iter().position(|other| *other == level);
         found.ok_or_else(|| {
             let reason = format!("{level} is not in the model, which extends {}", extent(model));
-            self.refused(number, &reason, "name a vertebra of the model")
+            self.refused(number, reason, "name a vertebra of the model")
         })
     }
 
@@ -173,29 +173,25 @@ impl LoadFile {
         down: &[f64; 3],
         model: &PersonalisedModel,
     ) -> Result<Levels, FileError> {
+        let refused = |reason: String, help| Err(self.refused(number, reason, help));
         let Some(levels) = model.known_levels() else {
             let reason = format!(
                 "the weight is known for neighbouring vertebrae among L4 to T2, but the model extends {}",
                 extent(model)
             );
-            return Err(self.refused(
-                number,
-                &reason,
-                "give the weights as `force_at_point` loads",
-            ));
+            return refused(reason, "give the weights as `force_at_point` loads");
         };
         if !(body_weight_n > 0.0 && body_weight_n.is_finite()) {
             let reason = format!("the body weight is {body_weight_n}; it must be positive");
-            return Err(self.refused(
-                number,
-                &reason,
+            return refused(
+                reason,
                 "give the body weight in the unit of the model's forces: where that is newtons, 9.81 times the mass in kg",
-            ));
+            );
         }
         let length = Vec3::from(*down).norm();
         if (length - 1.0).abs() > UNIT_TOLERANCE || !length.is_finite() {
             let reason = format!("`down` has length {length}; it must be a unit vector");
-            return Err(self.refused(number, &reason, "divide `down` by its length"));
+            return refused(reason, "divide `down` by its length");
         }
         let timing = self.loads[number].timing();
         let is_twin = |load: &AppliedLoad| {
@@ -206,19 +202,15 @@ impl LoadFile {
                 "load {} is gravity with the same timing: both weights would act",
                 first + 1
             );
-            return Err(self.refused(
-                number,
-                &reason,
-                "give one `gravity` load with the whole body weight",
-            ));
+            return refused(reason, "give one `gravity` load with the whole body weight");
         }
         Ok(levels)
     }
 
-    fn refused(&self, number: usize, reason: &str, help: &'static str) -> FileError {
+    fn refused(&self, number: usize, reason: String, help: &'static str) -> FileError {
         let load = &self.loads[number];
         let (kind, place) = (load.kind(), load.place());
-        FileError::Load { number: number + 1, kind, place, reason: reason.to_owned(), help }
+        FileError::Load { number: number + 1, kind, place, reason, help }
     }
 }
 

@@ -127,30 +127,23 @@ fn about_springs(
     let warn = wrong.filter_map(|&(number, force_n)| {
         let item = &placed.loading.items[number];
         let (load, level) = (placed.load_of_item[number] + 1, model.levels[item.vertebra]);
-        let size = force_n.abs();
-        Some(match item.load {
-            BodyLoad::Pad { .. } => SimulationWarning::new(
+        let force = format!("{} ({})", fixed(force_n.abs(), 1), model.force_unit());
+        let (code, fault) = match item.load {
+            BodyLoad::Pad { .. } => (
                 WarningCode::PadPulls,
-                format!(
-                    "load {load}: the pad on {level} pulls with {} ({}); a real pad would lose contact: remove it",
-                    fixed(size, 1),
-                    model.force_unit()
-                ),
+                format!("pad on {level} pulls with {force}; a real pad would lose contact"),
             ),
-            BodyLoad::Strap { .. } => SimulationWarning::new(
+            BodyLoad::Strap { .. } => (
                 WarningCode::StrapPushes,
-                format!(
-                    "load {load}: the strap on {level} pushes with {} ({}); a real strap would be slack: remove it",
-                    fixed(size, 1),
-                    model.force_unit()
-                ),
+                format!("strap on {level} pushes with {force}; a real strap would be slack"),
             ),
             BodyLoad::ForceOnLine { .. }
             | BodyLoad::ForceAtPoint { .. }
             | BodyLoad::FollowerForce { .. }
             | BodyLoad::Moment { .. }
             | BodyLoad::FollowerMoment { .. } => return None,
-        })
+        };
+        Some(SimulationWarning::new(code, format!("load {load}: the {fault}: remove it")))
     });
     warn.collect()
 }
