@@ -79,14 +79,13 @@ fn matrix(data: &[u8], little: bool) -> Result<Option<[[f64; 2]; CORNERS]>, Land
     if name != VARIABLE {
         return Ok(None);
     }
-    let word =
-        |bytes: &[u8], place: usize| Some(number32(bytes.get(4 * place..4 * place + 4)?, little));
-    let flags = word(flags, 0).unwrap_or_default();
+    let flags = word(flags, 0, little).unwrap_or_default();
     let (class, complex) = (flags & 0xff, flags & 0x800 != 0);
     if !(6..=15).contains(&class) || complex {
         return Err(wrong("`p2` is not a real numeric matrix"));
     }
-    let size = (word(dimensions, 0), word(dimensions, 1), dimensions.len());
+    let [rows, columns] = [0, 1].map(|place| word(dimensions, place, little));
+    let size = (rows, columns, dimensions.len());
     if size != (Some(CORNERS as u32), Some(2), 8) {
         return Err(wrong("`p2` must have 68 rows and 2 columns"));
     }
@@ -104,32 +103,32 @@ fn matrix(data: &[u8], little: bool) -> Result<Option<[[f64; 2]; CORNERS]>, Land
 
 /// A number of an element's type.
 fn value_at(bytes: &[u8], kind: u32, place: usize, little: bool) -> Option<f64> {
-    let size = match kind {
-        1 | 2 => 1,
-        3 | 4 => 2,
-        5..=7 => 4,
-        9 | 12 | 13 => 8,
-        _ => return None,
-    };
-    let mut all = [0; 8];
-    let own = bytes.get(size * place..size * (place + 1))?;
-    all[..size].copy_from_slice(own);
-    if !little {
-        all[..size].reverse();
-    }
-    let [a, b, c, d, ..] = all;
     Some(match kind {
-        1 => f64::from(a as i8),
-        2 => f64::from(a),
-        3 => f64::from(i16::from_le_bytes([a, b])),
-        4 => f64::from(u16::from_le_bytes([a, b])),
-        5 => f64::from(i32::from_le_bytes([a, b, c, d])),
-        6 => f64::from(u32::from_le_bytes([a, b, c, d])),
-        7 => f64::from(f32::from_le_bytes([a, b, c, d])),
-        9 => f64::from_le_bytes(all),
-        12 => i64::from_le_bytes(all) as f64,
-        _ => u64::from_le_bytes(all) as f64,
+        1 => f64::from(i8::from_le_bytes(bytes_at(bytes, place, little)?)),
+        2 => f64::from(u8::from_le_bytes(bytes_at(bytes, place, little)?)),
+        3 => f64::from(i16::from_le_bytes(bytes_at(bytes, place, little)?)),
+        4 => f64::from(u16::from_le_bytes(bytes_at(bytes, place, little)?)),
+        5 => f64::from(i32::from_le_bytes(bytes_at(bytes, place, little)?)),
+        6 => f64::from(u32::from_le_bytes(bytes_at(bytes, place, little)?)),
+        7 => f64::from(f32::from_le_bytes(bytes_at(bytes, place, little)?)),
+        9 => f64::from_le_bytes(bytes_at(bytes, place, little)?),
+        12 => i64::from_le_bytes(bytes_at(bytes, place, little)?) as f64,
+        13 => u64::from_le_bytes(bytes_at(bytes, place, little)?) as f64,
+        _ => return None,
     })
+}
+
+/// The bytes of a number in a row of numbers of this size, the lowest one first.
+fn bytes_at<const N: usize>(bytes: &[u8], place: usize, little: bool) -> Option<[u8; N]> {
+    let mut own: [u8; N] = bytes.get(N * place..N * (place + 1))?.try_into().ok()?;
+    if !little {
+        own.reverse();
+    }
+    Some(own)
+}
+
+fn word(bytes: &[u8], place: usize, little: bool) -> Option<u32> {
+    bytes_at(bytes, place, little).map(u32::from_le_bytes)
 }
 
 /// The data elements in a part of a file, in their order.
@@ -146,14 +145,14 @@ impl<'a> Elements<'a> {
             self.rest = &[];
             return Ok(None);
         };
-        let first = number32(&tag[..4], self.little);
+        let [first, second] = [0, 1].map(|place| word(tag, place, self.little).unwrap_or_default());
         let (kind, data, rest) = if first >> 16 != 0 {
             // A small element has its length and its data inside of the tag.
             let length = (first >> 16) as usize;
             let data = tag[4..].get(..length).ok_or_else(|| wrong("an element is cut off"))?;
             (first & 0xffff, data, rest)
         } else {
-            let length = number32(&tag[4..], self.little) as usize;
+            let length = second as usize;
             let (data, rest) =
                 rest.split_at_checked(length).ok_or_else(|| wrong("an element is cut off"))?;
             // Compressed elements are not padded; others end on a multiple of 8.
@@ -163,11 +162,6 @@ impl<'a> Elements<'a> {
         self.rest = rest;
         Ok(Some((kind, data)))
     }
-}
-
-fn number32(bytes: &[u8], little: bool) -> u32 {
-    let four = [0, 1, 2, 3].map(|i| bytes.get(i).copied().unwrap_or_default());
-    if little { u32::from_le_bytes(four) } else { u32::from_be_bytes(four) }
 }
 
 fn wrong(reason: &str) -> LandmarkError {
