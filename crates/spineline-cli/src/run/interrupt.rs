@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{fs, io};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 use tokio::sync::Notify;
 
 use super::failure::{Failure, INTERRUPTED};
@@ -132,20 +132,49 @@ pub fn begin_writing() {
     state().is_writing = true;
 }
 
-/// Makes a file that is removed if a signal ends the program. No signal comes between the two.
-///
-/// # Errors
-/// If it cannot be made.
-pub fn make_part(make: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
-    let mut state = state();
-    let part = make()?;
-    state.parts.push(part.path().to_owned());
-    Ok(part)
+/// An unfinished file. It is removed if it is dropped without a name, or if a signal ends the program before.
+pub struct Part<F = NamedTempFile> {
+    pub file: F,
+    /// Dropped after the file.
+    listed: Listed,
 }
 
-/// Forgets a file that was renamed or removed.
-pub fn forget_part(part: &Path) {
-    state().parts.retain(|other| other != part);
+/// A path in the list of unfinished files.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        state().parts.retain(|other| *other != self.0);
+    }
+}
+
+impl Part {
+    /// Makes a file. No signal comes before it is in the list.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn make(make: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<Self> {
+        let mut state = state();
+        let file = make()?;
+        let path = file.path().to_owned();
+        state.parts.push(path.clone());
+        Ok(Self { file, listed: Listed(path) })
+    }
+
+    /// The same, closed.
+    pub fn close(self) -> Part<TempPath> {
+        Part { file: self.file.into_temp_path(), listed: self.listed }
+    }
+}
+
+impl Part<TempPath> {
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// If it cannot have this name; it is removed then.
+    pub fn name(self, file: &Path) -> io::Result<()> {
+        self.file.persist(file).map_err(|error| error.error)
+    }
 }
 
 /// Makes a folder and those around it, which are removed if a signal ends the program while they are empty; returns those that were

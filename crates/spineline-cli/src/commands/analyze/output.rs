@@ -48,7 +48,11 @@ impl<'a, T> Growing<'a, T> {
     pub fn step(&self, step: impl FnOnce(&mut T) -> Result<(), Failure>) {
         // A step that panics ends the program.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        self.outputs.step(self.path, &mut made, step);
+        let is_whole =
+            made.as_mut().is_none_or(|one| self.outputs.attempt(self.path, || step(one)));
+        if !is_whole {
+            *made = None;
+        }
     }
 
     /// Its last step.

@@ -5,9 +5,7 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
-use crate::run::interrupt;
+use crate::run::interrupt::Part;
 
 /// Start and end of their names; between them, a word per run and a word per file.
 const BEGIN: &str = ".spineline-";
@@ -17,7 +15,7 @@ const END: &str = ".part";
 pub struct Parts {
     pub folder: PathBuf,
     /// Locked while the program runs, so that its files are not taken for left ones.
-    lock: NamedTempFile,
+    lock: Part,
 }
 
 impl Parts {
@@ -29,12 +27,12 @@ impl Parts {
         remove_left(folder);
         loop {
             let lock = make(folder, BEGIN)?;
-            let is_taken = matches!(lock.as_file().try_lock(), Err(TryLockError::WouldBlock));
+            let locked = lock.file.as_file().try_lock();
+            let is_taken = matches!(locked, Err(TryLockError::WouldBlock));
             // Another run may have removed it as a left one.
-            if !is_taken && lock.path().exists() {
+            if !is_taken && lock.file.path().exists() {
                 return Ok(Self { folder: folder.to_owned(), lock });
             }
-            interrupt::forget_part(lock.path());
         }
     }
 
@@ -42,25 +40,19 @@ impl Parts {
     ///
     /// # Errors
     /// If it cannot be made.
-    pub fn add(&self) -> io::Result<NamedTempFile> {
-        let name = self.lock.path().file_name().unwrap_or_default().to_string_lossy();
+    pub fn add(&self) -> io::Result<Part> {
+        let name = self.lock.file.path().file_name().unwrap_or_default().to_string_lossy();
         make(&self.folder, &format!("{}-", name.trim_end_matches(END)))
     }
 }
 
-impl Drop for Parts {
-    fn drop(&mut self) {
-        interrupt::forget_part(self.lock.path());
-    }
-}
-
-fn make(folder: &Path, begin: &str) -> io::Result<NamedTempFile> {
+fn make(folder: &Path, begin: &str) -> io::Result<Part> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(begin).suffix(END);
     // A temporary file is its owner's alone; a result has the permissions of an ordinary new file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    interrupt::make_part(|| builder.tempfile_in(folder))
+    Part::make(|| builder.tempfile_in(folder))
 }
 
 /// Removes the files of runs that have ended without doing so.
@@ -117,7 +109,7 @@ mod tests {
         let part = running.add().expect("a file");
         assert_eq!(files(folder.path()), 3);
         let other = Parts::begin(folder.path()).expect("a place");
-        assert!(part.path().exists());
+        assert!(part.file.path().exists());
         drop((part, running, other));
         assert_eq!(files(folder.path()), 1, "what others wrote stays");
     }

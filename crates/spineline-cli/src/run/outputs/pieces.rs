@@ -6,12 +6,11 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use spineline_files::{InputFile, RunningContent};
-use tempfile::NamedTempFile;
 
 use super::staged::{Outputs, failed, name_of};
 use super::target::Target;
 use crate::run::failure::Failure;
-use crate::run::interrupt;
+use crate::run::interrupt::Part;
 
 /// A result that is written in pieces; without [`Pieces::keep`] it is removed.
 pub struct Pieces<'a> {
@@ -24,8 +23,8 @@ pub struct Pieces<'a> {
 enum Place {
     /// Printed or written to a pipe, all at once.
     Memory(Vec<u8>),
-    /// Beside its target; none once it is kept.
-    File { part: Option<NamedTempFile>, file: PathBuf },
+    /// Beside its target.
+    File { part: Part, file: PathBuf },
 }
 
 impl Outputs {
@@ -34,33 +33,19 @@ impl Outputs {
     /// # Errors
     /// As [`Outputs::file`], or if it cannot be written.
     pub fn begin(&self, path: &Path) -> Result<Pieces<'_>, Failure> {
-        let Target::File(file) = Target::of(path)? else {
-            return Ok(Pieces::in_memory(self, path));
+        let place = match Target::of(path)? {
+            Target::StandardOutput | Target::Into(_) => Place::Memory(Vec::new()),
+            Target::File(file) => {
+                self.check_replaceable(path, &file, None)?;
+                Place::File { part: self.begin_file(path, &file)?, file }
+            }
         };
-        self.check_replaceable(path, &file, None)?;
-        let part = self.begin_file(path, &file)?;
-        Ok(Pieces::in_file(self, path, file, part))
+        let content = RunningContent::default();
+        Ok(Pieces { outputs: self, path: path.to_owned(), content, place })
     }
 }
 
-impl<'a> Pieces<'a> {
-    pub(super) fn in_memory(outputs: &'a Outputs, path: &Path) -> Self {
-        Self::new(outputs, path, Place::Memory(Vec::new()))
-    }
-
-    pub(super) fn in_file(
-        outputs: &'a Outputs,
-        path: &Path,
-        file: PathBuf,
-        part: NamedTempFile,
-    ) -> Self {
-        Self::new(outputs, path, Place::File { part: Some(part), file })
-    }
-
-    fn new(outputs: &'a Outputs, path: &Path, place: Place) -> Self {
-        Self { outputs, path: path.to_owned(), content: RunningContent::default(), place }
-    }
-
+impl Pieces<'_> {
     /// Adds the next piece.
     ///
     /// # Errors
@@ -69,40 +54,31 @@ impl<'a> Pieces<'a> {
         let piece = piece.as_ref();
         self.content.update(piece);
         match &mut self.place {
-            Place::Memory(all) => all.extend_from_slice(piece),
-            Place::File { part, .. } => {
-                if let Some(part) = part {
-                    part.write_all(piece).map_err(failed(&self.path))?;
-                }
+            Place::Memory(all) => {
+                all.extend_from_slice(piece);
+                Ok(())
             }
+            Place::File { part, .. } => part.file.write_all(piece).map_err(failed(&self.path)),
         }
-        Ok(())
     }
 
     /// Keeps the result for its path, and returns its name and hash.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn keep(mut self) -> Result<InputFile, Failure> {
-        let (sha256, places) = std::mem::take(&mut self.content).finish();
-        match &mut self.place {
-            Place::Memory(bytes) => self.outputs.write(&self.path, std::mem::take(bytes))?,
-            Place::File { part, file } => {
-                if let Some(mut whole) = part.take() {
-                    let filled = fill(whole.as_file_mut(), &sha256, &places);
-                    let kept = filled.map_err(failed(&self.path)).and_then(|()| {
-                        self.outputs.check_replaceable(&self.path, file, Some(&BTreeSet::new()))
-                    });
-                    if let Err(failure) = kept {
-                        interrupt::forget_part(whole.path());
-                        return Err(failure);
-                    }
-                    let file = std::mem::take(file);
-                    self.outputs.keep(whole.into_temp_path(), file, self.path.clone());
-                }
+    pub fn keep(self) -> Result<InputFile, Failure> {
+        let Self { outputs, path, content, place } = self;
+        let (sha256, places) = content.finish();
+        let name = name_of(&path);
+        match place {
+            Place::Memory(bytes) => outputs.write(&path, bytes)?,
+            Place::File { mut part, file } => {
+                fill(part.file.as_file_mut(), &sha256, &places).map_err(failed(&path))?;
+                outputs.check_replaceable(&path, &file, Some(&BTreeSet::new()))?;
+                outputs.keep(part.close(), file, path);
             }
         }
-        Ok(InputFile { name: name_of(&self.path), sha256 })
+        Ok(InputFile { name, sha256 })
     }
 }
 
@@ -113,12 +89,4 @@ fn fill(file: &mut File, hash: &str, places: &[u64]) -> io::Result<()> {
         file.write_all(hash.as_bytes())?;
     }
     file.flush()
-}
-
-impl Drop for Pieces<'_> {
-    fn drop(&mut self) {
-        if let Place::File { part: Some(part), .. } = &self.place {
-            interrupt::forget_part(part.path());
-        }
-    }
 }

@@ -12,14 +12,14 @@ use spineline_files::{
     InputFile, MAX_ANALYSES_BYTES, Provenance, ProvenanceFile, case_ids, read_bytes, to_text,
     with_hash,
 };
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::TempPath;
 
 use super::parts::Parts;
 use super::print_data;
 use super::target::{Identity, Target};
 use super::there::There;
 use crate::run::failure::Failure;
-use crate::run::interrupt;
+use crate::run::interrupt::{self, Part};
 use crate::run::messages::say;
 
 /// The permission to replace files.
@@ -64,7 +64,7 @@ struct State {
 enum Staged {
     Printed(String),
     Into(PathBuf, Vec<u8>),
-    File { part: TempPath, file: PathBuf, shown: PathBuf },
+    File { part: Part<TempPath>, file: PathBuf, shown: PathBuf },
 }
 
 impl Outputs {
@@ -148,16 +148,11 @@ impl Outputs {
             Target::File(file) => {
                 let mut part = self.begin_file(path, &file)?;
                 let is_same = || fs::read(&file).is_ok_and(|there| there == content);
-                let written = self
-                    .check_replaceable(path, &file, Some(&case_ids(&content)))
-                    .or_else(|failure| if is_same() { Ok(()) } else { Err(failure) })
-                    .and_then(|()| part.write_all(&content).map_err(failed(path)))
-                    .and_then(|()| part.flush().map_err(failed(path)));
-                if let Err(failure) = written {
-                    interrupt::forget_part(part.path());
-                    return Err(failure);
-                }
-                Staged::File { part: part.into_temp_path(), file, shown: path.to_owned() }
+                self.check_replaceable(path, &file, Some(&case_ids(&content)))
+                    .or_else(|failure| if is_same() { Ok(()) } else { Err(failure) })?;
+                part.file.write_all(&content).map_err(failed(path))?;
+                part.file.flush().map_err(failed(path))?;
+                Staged::File { part: part.close(), file, shown: path.to_owned() }
             }
         };
         self.state().staged.push(staged);
@@ -165,7 +160,7 @@ impl Outputs {
     }
 
     /// An empty file in the folder of a target that no other result has.
-    pub(super) fn begin_file(&self, path: &Path, file: &Path) -> Result<NamedTempFile, Failure> {
+    pub(super) fn begin_file(&self, path: &Path, file: &Path) -> Result<Part, Failure> {
         let identity = self.check_own(path, file)?;
         let mut state = self.state();
         if !state.written.insert(identity.name()) {
@@ -185,7 +180,7 @@ impl Outputs {
     }
 
     /// Keeps a result of [`Outputs::begin`].
-    pub(super) fn keep(&self, part: TempPath, file: PathBuf, shown: PathBuf) {
+    pub(super) fn keep(&self, part: Part<TempPath>, file: PathBuf, shown: PathBuf) {
         self.state().staged.push(Staged::File { part, file, shown });
     }
 
@@ -227,32 +222,11 @@ impl Outputs {
     /// Returns whether it was made.
     pub fn attempt(&self, result: &Path, make: impl FnOnce() -> Result<(), Failure>) -> bool {
         let before = self.state().staged.len();
-        let made = make();
-        let is_made = made.is_ok();
-        if let Err(failure) = made {
-            forget(self.state().staged.drain(before..));
-            self.go_on(failure.naming(result));
-        }
-        is_made
-    }
-
-    /// The next step of a result that is made step by step, as [`Outputs::attempt`]: it becomes `None` if that fails.
-    pub fn step<T>(
-        &self,
-        result: &Path,
-        made: &mut Option<T>,
-        step: impl FnOnce(&mut T) -> Result<(), Failure>,
-    ) {
-        if let Some(one) = made
-            && !self.attempt(result, || step(one))
-        {
-            *made = None;
-        }
-    }
-
-    /// Keeps a failure for the end of the command, since other results can be made.
-    pub fn go_on(&self, failure: Failure) {
-        self.state().failures.push(failure);
+        let Err(failure) = make() else { return true };
+        let mut state = self.state();
+        state.staged.truncate(before);
+        state.failures.push(failure.naming(result));
+        false
     }
 
     /// Gives all results their names, and prints what goes to the standard output.
@@ -294,11 +268,8 @@ impl Outputs {
                 }
                 Staged::Into(stream, content) => write_into(&stream, &content),
                 Staged::File { part, file, shown } => {
-                    let name = part.to_path_buf();
-                    let named = part.persist(&file);
-                    interrupt::forget_part(&name);
-                    let named = named.map_err(|error| failed(&shown)(error.error));
-                    named.map(|_| files.push(shown))
+                    let named = part.name(&file).map_err(failed(&shown));
+                    named.map(|()| files.push(shown))
                 }
             };
             failures.extend(written.err());
@@ -380,7 +351,7 @@ impl Drop for Outputs {
     /// Removes what was begun and not committed.
     fn drop(&mut self) {
         let state = self.state.get_mut().unwrap_or_else(PoisonError::into_inner);
-        forget(state.staged.drain(..));
+        state.staged.clear();
         state.parts.clear();
         for folder in state.folders.iter().rev() {
             // A folder with a file in it stays.
@@ -403,15 +374,6 @@ fn written_words(files: &[PathBuf]) -> Vec<String> {
         count => vec![format!("written: {count} files in {}", folder_or_here(folder).display())],
     };
     folders.into_iter().flat_map(of_folder).collect()
-}
-
-/// Removes results that are not to be written.
-fn forget(staged: impl Iterator<Item = Staged>) {
-    for one in staged {
-        if let Staged::File { part, .. } = one {
-            interrupt::forget_part(&part);
-        }
-    }
 }
 
 /// The name of a file without its folder.
