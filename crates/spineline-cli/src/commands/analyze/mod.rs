@@ -93,37 +93,29 @@ fn case_paths(args: &AnalyzeArgs) -> Result<Vec<PathBuf>, Failure> {
 struct Target<'a> {
     flag: &'static str,
     path: &'a Path,
-    kind: TargetKind,
+    check: Check,
 }
 
-/// The form of a target.
-#[derive(Clone, Copy)]
-enum TargetKind {
-    File,
-    /// A file with its provenance beside it.
-    Table,
-    Folder,
-}
+/// How a target is checked: as a file, a table or a folder.
+type Check = fn(&Outputs, &Path) -> Result<(), Failure>;
 
 /// Every target that is asked for.
 fn targets(args: &AnalyzeArgs) -> Vec<Target<'_>> {
     let cohort = args.cohort.as_deref();
-    let of_cohort = match cohort {
-        Some(path) if CohortStatistics::is_csv(path) => TargetKind::Table,
-        _ => TargetKind::File,
-    };
-    [
-        ("--json", args.json.as_deref(), TargetKind::File),
-        ("--csv", args.csv.as_deref(), TargetKind::Table),
-        ("--chain", args.chain.as_deref(), TargetKind::Table),
-        ("--tables", args.tables.folder.as_deref(), TargetKind::Folder),
-        ("--figures", args.figures.as_deref(), TargetKind::Folder),
+    let is_table = cohort.is_some_and(CohortStatistics::is_csv);
+    let of_cohort: Check = if is_table { Outputs::table } else { Outputs::file };
+    let all: [(&str, Option<&Path>, Check); 7] = [
+        ("--json", args.json.as_deref(), Outputs::file),
+        ("--csv", args.csv.as_deref(), Outputs::table),
+        ("--chain", args.chain.as_deref(), Outputs::table),
+        ("--tables", args.tables.folder.as_deref(), Outputs::folder),
+        ("--figures", args.figures.as_deref(), Outputs::folder),
         ("--cohort", cohort, of_cohort),
-        ("--model", args.model.as_deref(), TargetKind::File),
-    ]
-    .into_iter()
-    .filter_map(|(flag, path, kind)| Some(Target { flag, path: path?, kind }))
-    .collect()
+        ("--model", args.model.as_deref(), Outputs::file),
+    ];
+    all.into_iter()
+        .filter_map(|(flag, path, check)| Some(Target { flag, path: path?, check }))
+        .collect()
 }
 
 /// Refuses outputs that exclude each other; says whether one goes to the standard output.
@@ -147,12 +139,8 @@ fn check_streams(args: &AnalyzeArgs, is_list: bool) -> Result<bool, Failure> {
 fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<Outputs, Failure> {
     let inputs = paths.iter().map(PathBuf::as_path).chain(args.method.files());
     let outputs = Outputs::new(args.overwrite, inputs);
-    for Target { path, kind, .. } in targets(args) {
-        match kind {
-            TargetKind::File => outputs.file(path)?,
-            TargetKind::Table => outputs.table(path)?,
-            TargetKind::Folder => outputs.folder(path)?,
-        }
+    for Target { path, check, .. } in targets(args) {
+        check(&outputs, path)?;
     }
     Ok(outputs)
 }
