@@ -318,15 +318,9 @@ fn spacing_of_film(text: &str) -> Result<OfFilm<Spacing>, String> {
         let [column, row, plane] = value.split(',').collect::<Vec<_>>()[..] else {
             return Err(expected());
         };
-        let plane = match plane {
-            "patient" => SpacingPlane::Patient,
-            "detector" => SpacingPlane::Detector,
-            "unknown" => SpacingPlane::Unknown,
-            "pixels" => SpacingPlane::Pixels,
-            other => {
-                return Err(format!("`{other}` is not patient, detector, unknown or pixels"));
-            }
-        };
+        let plane: SpacingPlane = plane
+            .parse()
+            .map_err(|_| format!("`{plane}` is not patient, detector, unknown or pixels"))?;
         let (column, row) = (number(column)?, number(row)?);
         let spacing = match plane {
             SpacingPlane::Pixels => Spacing::of_aspect(row / column, SpacingSource::Stated),

@@ -8,7 +8,7 @@ use spineline_marking::View;
 use spineline_report::terminal::shown;
 
 use super::candidates::Candidates;
-use super::resolve::{About, Question};
+use super::resolve::{About, Question, asked_side};
 use super::text;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
@@ -100,26 +100,28 @@ fn pick(
         .map_err(asked)?;
     match answer {
         Some(place) => Ok(options[place]),
-        None => Err(Failure::usage("the import was cancelled; nothing was written")),
+        None => Err(cancelled()),
     }
+}
+
+fn cancelled() -> Failure {
+    Failure::usage("the import was cancelled; nothing was written")
 }
 
 /// Asks one question; the side that was answered, or `None` where the answer was to go on.
 pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
     match &question.about {
         About::Side => {
-            let of = if question.view == FilmView::Lateral { "front" } else { "left" };
-            let prompt = format!(
-                "{} film: on which side of the picture is the patient's {of}?",
-                question.view
-            );
+            let (view, of) = (question.view, asked_side(question.view));
+            let prompt =
+                format!("{view} film: on which side of the picture is the patient's {of}?");
             let words = ["left of the picture", "right of the picture"];
             let answer =
                 Select::new().with_prompt(prompt).items(words).interact_opt().map_err(asked)?;
             match answer {
                 Some(0) => Ok(Some(ImageSide::Left)),
                 Some(_) => Ok(Some(ImageSide::Right)),
-                None => Err(Failure::usage("the import was cancelled; nothing was written")),
+                None => Err(cancelled()),
             }
         }
         // A spacing must be given as an option.
@@ -132,11 +134,7 @@ pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
             let prompt = format!("{} film: {text}. Continue with your options?", question.view);
             let sure =
                 Confirm::new().with_prompt(prompt).default(false).interact().map_err(asked)?;
-            if sure {
-                Ok(None)
-            } else {
-                Err(Failure::usage("the import was cancelled; nothing was written"))
-            }
+            if sure { Ok(None) } else { Err(cancelled()) }
         }
     }
 }

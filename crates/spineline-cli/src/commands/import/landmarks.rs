@@ -8,7 +8,7 @@ use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
 use spineline::error::Error;
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, ImageGeometry, LateralFilm, PlacementSource, Reading, ReadingId,
+    Corners, Film, FilmLandmarks, LateralFilm, PlacementSource, Reading, ReadingId,
     alike_observers, alike_words, judge_landmarks,
 };
 use spineline::spatial::Pixel;
@@ -28,19 +28,9 @@ use crate::run::messages::say;
 pub type LandmarksByPosture = BTreeMap<Posture, FilmLandmarks>;
 
 impl ResolvedFilm {
-    /// The geometry of its picture; a lateral film has the front in place of the left.
-    pub const fn image(&self) -> ImageGeometry {
-        ImageGeometry {
-            columns: self.columns,
-            rows: self.rows,
-            spacing: self.spacing,
-            patient_left: self.side,
-        }
-    }
-
     /// The lateral film with these readings.
     pub const fn lateral(&self, readings: Vec<Reading<Corners<Pixel>>>) -> LateralFilm {
-        LateralFilm { image: self.image(), simultaneous: self.simultaneous, readings }
+        LateralFilm { image: self.image, simultaneous: self.simultaneous, readings }
     }
 }
 
@@ -107,7 +97,7 @@ pub fn read_onto(
             let film = films.iter().find(|film| film.view.posture() == Some(posture));
             let Some(film) = film else { return Err(not_chosen(posture)) };
             let film = marked
-                .into_film(of.posture.or(Some(posture)), Some(film.image()))
+                .into_film(of.posture.or(Some(posture)), Some(film.image))
                 .map_err(|error| fail(&error))?;
             refuse_placements(&of.value, &film)?;
             if let Some(given) = given {
@@ -207,8 +197,8 @@ fn hint_for(
     let film = films.iter().find(|film| posture.is_some() && film.view.posture() == posture);
     let default = LandmarkHint::default();
     LandmarkHint {
-        patient_left: film.map(|film| film.side),
-        image: film.map(ResolvedFilm::image),
+        patient_left: film.map(|film| film.image.patient_left),
+        image: film.map(|film| film.image),
         reading: reading.cloned().unwrap_or(default.reading),
         ..default
     }

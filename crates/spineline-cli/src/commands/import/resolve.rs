@@ -3,7 +3,7 @@
 use std::fmt;
 
 use spineline::anatomy::{FilmView, ImageSide, Posture};
-use spineline::measure::{Spacing, SpacingPlane};
+use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
 use spineline::number::fixed;
 use spineline_films::{FilmDoubt, spacing_question};
 use spineline_marking::{View, ViewQuestion, judge_view};
@@ -17,11 +17,8 @@ pub struct ResolvedFilm {
     pub view: FilmView,
     /// Place in the list of films.
     pub index: usize,
-    pub columns: u32,
-    pub rows: u32,
-    pub spacing: Option<Spacing>,
-    /// Patient's left of a frontal film, the patient's front of the lateral one.
-    pub side: ImageSide,
+    /// The geometry of its picture; a lateral film has the front in place of the left.
+    pub image: ImageGeometry,
     pub inverted: bool,
     /// Of the lateral film, whether it was exposed together with the erect one.
     pub simultaneous: bool,
@@ -55,20 +52,21 @@ impl fmt::Display for Question {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { view, about } = self;
         match about {
-            About::Side if *view == FilmView::Lateral => {
-                write!(
-                    f,
-                    "{view} film: the file does not state on which side of the picture the patient's front is"
-                )
-            }
-            About::Side => {
-                write!(
-                    f,
-                    "{view} film: the file does not state on which side of the picture the patient's left is"
-                )
-            }
+            About::Side => write!(
+                f,
+                "{view} film: the file does not state on which side of the picture the patient's {} is",
+                asked_side(*view)
+            ),
             About::Contradiction(text) | About::Spacing(text) => write!(f, "{view} film: {text}"),
         }
+    }
+}
+
+/// The side of the patient whose place in the picture is asked for.
+pub const fn asked_side(view: FilmView) -> &'static str {
+    match view {
+        FilmView::Frontal(_) => "left",
+        FilmView::Lateral => "front",
     }
 }
 
@@ -136,7 +134,7 @@ pub fn resolve(
         let asked = spacing_question(&seen.tags, &seen.remarks);
         questions.extend(asked.map(|text| Question { view, about: About::Spacing(text) }));
     }
-    let Some(side) = said.or(by_file) else {
+    let Some(patient_left) = said.or(by_file) else {
         questions.push(Question { view, about: About::Side });
         return Ok(Err(questions));
     };
@@ -145,17 +143,13 @@ pub fn resolve(
     }
     let spacing = spacing(args, view, seen, &mut notes)?;
     let inverted = view.posture().is_some_and(|posture| args.invert.contains(&posture));
-    let (columns, rows, is_phantom) = (seen.columns, seen.rows, seen.tags.is_phantom);
     Ok(Ok(ResolvedFilm {
         view,
         index,
-        columns,
-        rows,
-        spacing,
-        side,
+        image: ImageGeometry { columns: seen.columns, rows: seen.rows, spacing, patient_left },
         inverted,
         simultaneous: false,
-        is_phantom,
+        is_phantom: seen.tags.is_phantom,
         source: seen.source.clone(),
         notes,
     }))
@@ -165,7 +159,7 @@ pub fn resolve(
 fn orientation_contradiction(view: FilmView, by_file: ImageSide) -> String {
     format!(
         "Patient Orientation puts the patient's {} on the {} of the picture, your option on the other side",
-        if view == FilmView::Lateral { "front" } else { "left" },
+        asked_side(view),
         if by_file == ImageSide::Left { "left" } else { "right" }
     )
 }

@@ -161,15 +161,17 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
     let heads = ["Film", "Size", "Patient's left", "Lengths"];
     let mut table = Table::new("", heads.map(Column::words).to_vec());
     for film in films {
-        let scale = film.spacing.as_ref().map_or_else(
+        let image = &film.image;
+        let scale = image.spacing.as_ref().map_or_else(
             || SQUARE_PIXELS.to_owned(),
             |spacing| LengthScale::of(spacing).to_string(),
         );
+        let side = side(Some(image.patient_left));
         let left = match film.view.posture() {
-            Some(_) => side(Some(film.side)).to_owned(),
-            None => format!("front: {}", side(Some(film.side))),
+            Some(_) => side.to_owned(),
+            None => format!("front: {side}"),
         };
-        let size = format!("{} × {}", film.columns, film.rows);
+        let size = format!("{} × {}", image.columns, image.rows);
         table.row(vec![film.view.to_string(), size, left, scale]);
     }
     text.text(&terminal::table(&table, width()));

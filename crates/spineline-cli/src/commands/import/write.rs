@@ -183,7 +183,7 @@ fn case(case_id: &str, films: &[ResolvedFilm], marks: &Marks) -> Case {
     let frontal = films.iter().filter_map(|film| {
         let posture = film.view.posture()?;
         let unmarked = || FilmLandmarks::Corners {
-            image: film.image(),
+            image: film.image,
             iliac_crests: None,
             readings: Vec::new(),
         };
