@@ -187,7 +187,8 @@ impl Table {
     }
 
     /// A table with one row per item. Each call adds one column. Use it where a cell needs only its item; else use [`Table::new`].
-    pub(crate) fn of<R>(
+    #[must_use]
+    pub fn of<R>(
         caption: impl Into<String>,
         items: impl IntoIterator<Item = R>,
         columns: impl FnOnce(&mut RowColumns<R>),
@@ -210,7 +211,7 @@ impl Table {
 }
 
 /// Columns of [`Table::of`]: each call heads and fills the next one.
-pub(crate) struct RowColumns<R> {
+pub struct RowColumns<R> {
     items: Vec<R>,
     table: Table,
 }

@@ -1,10 +1,10 @@
 //! The list of films, and the outcome of an import, as text.
 
-use spineline::anatomy::ImageSide;
+use spineline::anatomy::{FilmView, ImageSide};
 use spineline::measure::{LengthScale, Spacing};
 use spineline::warning::counted;
 use spineline_marking::View;
-use spineline_report::document::{Column, Table};
+use spineline_report::document::Table;
 use spineline_report::terminal::{self, Lines};
 
 use super::candidates::{Candidate, Candidates, Seen};
@@ -17,29 +17,19 @@ const SQUARE_PIXELS: &str = "pixels (taken as square)";
 /// Everything that was found, with numbers to choose by.
 pub fn list(candidates: &Candidates) -> Lines {
     let mut text = Lines::default();
-    let words = ["Kind", "Size", "View", "Patient's left", "Lengths", "File"].map(Column::words);
-    let columns = [Column::numbers("Film")].into_iter().chain(words).collect();
-    let mut table = Table::new("", columns);
-    for (index, film) in candidates.films.iter().enumerate() {
-        let number = (index + 1).to_string();
-        let place = film.found.place.to_string();
-        match &film.seen {
-            Ok(seen) => table.row(vec![
-                number,
-                kind(film, seen),
-                format!("{} × {}", seen.columns, seen.rows),
-                view(seen).to_owned(),
-                side(seen.view().patient_left).to_owned(),
-                lengths(seen.spacing().spacing.as_ref()),
-                place,
-            ]),
-            Err(_) => {
-                let kind = film.found.kind.to_string();
-                let blank = || "-".to_owned();
-                table.row(vec![number, kind, blank(), blank(), blank(), blank(), place]);
-            }
-        }
-    }
+    let table = Table::of("", candidates.films.iter().enumerate(), |add| {
+        add.numbers("Film", |(index, _)| (index + 1).to_string());
+        add.words("Kind", |(_, film)| kind(film));
+        add.words("Size", |(_, film)| seen(film, size));
+        add.words("View", |(_, film)| seen(film, |seen| view(seen).to_owned()));
+        add.words("Patient's left", |(_, film)| {
+            seen(film, |seen| side(seen.view().patient_left).to_owned())
+        });
+        add.words("Lengths", |(_, film)| {
+            seen(film, |seen| lengths(seen.spacing().spacing.as_ref()))
+        });
+        add.words("File", |(_, film)| film.found.place.to_string());
+    });
     if candidates.films.is_empty() {
         text.line("No film was found.");
     } else {
@@ -58,19 +48,27 @@ pub fn line(candidates: &Candidates, index: usize) -> String {
     let film = &candidates.films[index];
     let what = film.seen.as_ref().map_or_else(
         |_| String::new(),
-        |seen| {
-            format!("{}, {} × {}, {} view, ", kind(film, seen), seen.columns, seen.rows, view(seen))
-        },
+        |seen| format!("{}, {}, {} view, ", kind(film), size(seen), view(seen)),
     );
     format!("{}: {what}{}", index + 1, film.found.place)
 }
 
-fn kind(film: &Candidate, seen: &Seen) -> String {
-    let phantom = if seen.tags.is_phantom { " (phantom)" } else { "" };
-    match &seen.tags.modality {
-        Some(modality) => format!("{} {modality}{phantom}", film.found.kind),
-        None => format!("{}{phantom}", film.found.kind),
+/// A cell of a film that can be used; another film has none.
+fn seen(film: &Candidate, cell: impl Fn(&Seen) -> String) -> String {
+    film.seen.as_ref().map_or_else(|_| "-".to_owned(), cell)
+}
+
+fn kind(film: &Candidate) -> String {
+    let mut text = film.found.kind.to_string();
+    if let Ok(Seen { tags, .. }) = &film.seen {
+        text.extend(tags.modality.iter().map(|modality| format!(" {modality}")));
+        text.push_str(if tags.is_phantom { " (phantom)" } else { "" });
     }
+    text
+}
+
+fn size(seen: &Seen) -> String {
+    format!("{} × {}", seen.columns, seen.rows)
 }
 
 fn view(seen: &Seen) -> &'static str {
@@ -158,22 +156,18 @@ fn add_passed_over(text: &mut Lines, candidates: &Candidates) {
 /// The content of the new case.
 pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) -> Lines {
     let mut text = Lines::default();
-    let heads = ["Film", "Size", "Patient's left", "Lengths"];
-    let mut table = Table::new("", heads.map(Column::words).to_vec());
-    for film in films {
-        let image = &film.image;
-        let scale = image.spacing.as_ref().map_or_else(
-            || SQUARE_PIXELS.to_owned(),
-            |spacing| LengthScale::of(spacing).to_string(),
-        );
-        let side = side(Some(image.patient_left));
-        let left = match film.view.posture() {
-            Some(_) => side.to_owned(),
-            None => format!("front: {side}"),
-        };
-        let size = format!("{} × {}", image.columns, image.rows);
-        table.row(vec![film.view.to_string(), size, left, scale]);
-    }
+    let table = Table::of("", films, |add| {
+        add.words("Film", |film| film.view.to_string());
+        add.words("Size", |film| format!("{} × {}", film.image.columns, film.image.rows));
+        add.words("Patient's left", |film| {
+            let front = if film.view == FilmView::Lateral { "front: " } else { "" };
+            format!("{front}{}", side(Some(film.image.patient_left)))
+        });
+        add.words("Lengths", |film| match &film.image.spacing {
+            Some(spacing) => LengthScale::of(spacing).to_string(),
+            None => SQUARE_PIXELS.to_owned(),
+        });
+    });
     text.text(&terminal::table(&table, width()));
     for film in films {
         for note in &film.notes {

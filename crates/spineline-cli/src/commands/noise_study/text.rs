@@ -4,7 +4,7 @@ use spineline::cohort::{ClaimVerdict, Claims, NEAR_SEGMENTS};
 use spineline::number::fixed;
 use spineline::warning::counted;
 use spineline_phantom::Scenario;
-use spineline_report::document::{Column, Table};
+use spineline_report::document::Table;
 use spineline_report::terminal;
 
 use super::args::NoiseStudyArgs;
@@ -62,14 +62,12 @@ fn table(
     ways: &[(String, Way)],
     title: &str,
 ) -> String {
-    let mut columns = vec![Column::words("Scenario")];
-    columns.extend(ways.iter().map(|(name, _)| Column::numbers(name)));
-    let mut table = Table::new(title, columns);
-    for scenario in args.scenarios() {
-        let mut cells = vec![scenario.key().to_owned()];
-        cells.extend(ways.iter().map(|(_, way)| verdict(points, claim, scenario, *way)));
-        table.row(cells);
-    }
+    let table = Table::of(title, args.scenarios(), |add| {
+        add.words("Scenario", |scenario| scenario.key());
+        for (name, way) in ways {
+            add.numbers(name, |&scenario| verdict(points, claim, scenario, *way));
+        }
+    });
     format!("\n{}", terminal::table(&table, usize::MAX))
 }
 

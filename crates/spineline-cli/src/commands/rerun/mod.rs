@@ -12,7 +12,7 @@ use spineline_files::{
     AnalysisFile, Content, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis,
     parse_analysis, parse_json, picture_warnings, read_bytes, results_text,
 };
-use spineline_report::document::{Column, Table};
+use spineline_report::document::Table;
 use spineline_report::terminal::Lines;
 use spineline_report::{embedded, terminal};
 
@@ -24,7 +24,7 @@ use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print, width};
 use crate::run::pdf::attached;
 use crate::run::provenance::this_run;
-use difference::{Difference, Found, differences};
+use difference::{Found, differences};
 
 pub const EXAMPLES: &str = "\
 The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where these files still \
@@ -273,13 +273,13 @@ fn found_text(found: &Found, tolerance: f64) -> String {
     if found.all.is_empty() {
         return format!("  Nothing differs: {compared} within {tolerance:e}\n");
     }
-    let values = ["Then", "Now", "Relative difference"].map(Column::numbers);
-    let columns = [Column::words("Where")].into_iter().chain(values).collect();
-    let mut table = Table::new("", columns);
-    for Difference { path, then, now, relative } in &found.all {
-        let relative = relative.map_or_else(none, |part| scientific(part, 1));
-        table.row(vec![path.clone(), then.clone(), now.clone(), relative]);
-    }
+    let part = |relative: Option<f64>| relative.map_or_else(none, |part| scientific(part, 1));
+    let table = Table::of("", &found.all, |add| {
+        add.words("Where", |one| one.path.clone());
+        add.numbers("Then", |one| one.then.clone());
+        add.numbers("Now", |one| one.now.clone());
+        add.numbers("Relative difference", |one| part(one.relative));
+    });
     format!(
         "  {} of {compared} differ by more than {tolerance:e}\n\n{}",
         found.all.len(),

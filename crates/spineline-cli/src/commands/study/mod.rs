@@ -190,18 +190,14 @@ fn next_text(next: &Next) -> String {
 }
 
 fn log(store: &Store) -> Result<String, StoreError> {
-    let words = ["When", "Who", "What", "Object"].map(Column::words);
-    let columns = [Column::numbers("Entry")].into_iter().chain(words).collect();
-    let mut table = Table::new("", columns);
-    for entry in store.audit_log()? {
-        table.row(vec![
-            entry.sequence.to_string(),
-            Timestamp::from_unix_ms(entry.time_ms).map_or_else(String::new, |at| at.to_string()),
-            entry.actor,
-            entry.action,
-            shown_object(&entry.object),
-        ]);
-    }
+    let when = |ms| Timestamp::from_unix_ms(ms).map_or_else(String::new, |at| at.to_string());
+    let table = Table::of("", store.audit_log()?, |add| {
+        add.numbers("Entry", |entry| entry.sequence.to_string());
+        add.words("When", |entry| when(entry.time_ms));
+        add.words("Who", |entry| entry.actor.clone());
+        add.words("What", |entry| entry.action.clone());
+        add.words("Object", |entry| shown_object(&entry.object));
+    });
     Ok(terminal::table(&table, width()))
 }
 
