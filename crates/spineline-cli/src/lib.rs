@@ -16,7 +16,7 @@ use clap::Parser;
 use spineline_report::terminal::{Lines, shown};
 
 use commands::{Cli, Command};
-use run::failure::{Ending, Failure};
+use run::failure::{Ending, Failure, INTERNAL};
 use run::messages::{guarded, say};
 use run::{interrupt, outputs, provenance, suggestions};
 
@@ -24,12 +24,12 @@ use run::{interrupt, outputs, provenance, suggestions};
 #[must_use]
 pub fn main() -> ExitCode {
     match guarded(run) {
-        Ok(Ok(ending)) => ending.into(),
-        Ok(Err(failure)) => {
+        Some(Ok(ending)) => ending.into(),
+        Some(Err(failure)) => {
             say(&failure);
             failure.into()
         }
-        Err(bug) => bug.into(),
+        None => INTERNAL.into(),
     }
 }
 

@@ -11,10 +11,8 @@ use spineline_report::terminal::Lines;
 use spineline_store::StoreError;
 use spineline_tables::TableError;
 
-use super::messages::Bug;
-
 /// Exit code of a fault of the program.
-const INTERNAL: u8 = 1;
+pub const INTERNAL: u8 = 1;
 /// Exit code of a wrong command line.
 const USAGE: u8 = 2;
 /// Exit code of an input that cannot be used, or an output that cannot be written.
@@ -222,12 +220,6 @@ impl fmt::Display for Failure {
 impl From<Failure> for ExitCode {
     fn from(failure: Failure) -> Self {
         Self::from(failure.code)
-    }
-}
-
-impl From<Bug> for ExitCode {
-    fn from(_said: Bug) -> Self {
-        Self::from(INTERNAL)
     }
 }
 

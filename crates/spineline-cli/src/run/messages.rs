@@ -18,18 +18,12 @@ pub fn say_origin_of_weights() {
     say(spineline_weights::NOTE);
 }
 
-/// Runs the program so that a bug ends it with a failure. The message of a panic may quote a file, so only its place is shown.
-///
-/// # Errors
-/// If it panics.
-pub fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Bug> {
+/// Runs the program; `None` if it panicked, and a message has said so. The message of a panic may quote a file, so only its
+/// place is shown.
+pub fn guarded<T>(run: impl FnOnce() -> T) -> Option<T> {
     panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or_else(String::new, |place| format!(" at {place}"));
         say(format!("error: a bug{place}; please report it"));
     }));
-    panic::catch_unwind(panic::AssertUnwindSafe(run)).map_err(|_| Bug)
+    panic::catch_unwind(panic::AssertUnwindSafe(run)).ok()
 }
-
-/// The program panicked, and has said so.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bug;
