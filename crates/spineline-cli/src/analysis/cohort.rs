@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use spineline::analysis::Analysis;
 use spineline::cohort::{Cohort, CohortPatient, RefusalStep, RefusedCase};
-use spineline_files::CohortFile;
 
 use super::case::{Refusal, analyze_member};
 use super::record::{ReadCases, RunRecord};
@@ -28,16 +27,6 @@ pub fn of(patients: &[CohortPatient], seed: u64, threads: usize) -> Result<Cohor
     let cohort = Cohort::by(patients, seed, &pool);
     shown.finish_and_clear();
     Ok(cohort)
-}
-
-/// The statistics as a file.
-pub fn file(
-    case_ids: Vec<String>,
-    cohort: &Cohort,
-    refused: &[RefusedCase],
-    generator: &str,
-) -> CohortFile {
-    CohortFile::new(cohort, case_ids, refused, BOOTSTRAP_SEED, generator)
 }
 
 /// The patients of a cohort, all in memory.

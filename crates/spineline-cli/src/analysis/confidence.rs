@@ -13,6 +13,7 @@ use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
 /// The requested measures of confidence in the numbers of one patient.
+#[derive(Default)]
 pub struct Confidence {
     /// Identifiability of every model's multipliers, in the order of the models.
     pub identifiability: Option<Vec<Option<Identifiability>>>,

@@ -5,11 +5,11 @@ use std::sync::{Mutex, PoisonError};
 
 use spineline::analysis::Analysis;
 use spineline::cohort::RefusedCase;
-use spineline_files::{AnalysisFile, ListText, RefusedFile, results_text};
+use spineline_files::{AnalysisFile, CohortFile, ListText, RefusedFile, results_text};
 use spineline_tables::{Table, cohort_tests_table};
 
 use super::kept::{Analysed, Kept};
-use crate::analysis::cohort;
+use crate::analysis::cohort::BOOTSTRAP_SEED;
 use crate::analysis::figures::{figures_of, write_figures};
 use crate::analysis::record::RunRecord;
 use crate::run::failure::Failure;
@@ -208,7 +208,8 @@ impl Output for CohortStatistics<'_> {
                 let table = cohort_tests_table(together).to_csv()?;
                 return outputs.write_table(path, table, &run.provenance());
             }
-            let file = cohort::file(run.read.ids(), together, &run.refused, &generator());
+            let (ids, refused) = (run.read.ids(), &run.refused);
+            let file = CohortFile::new(together, ids, refused, BOOTSTRAP_SEED, &generator());
             outputs.write(path, results_text(&file.with_provenance(run.provenance())))
         });
     }

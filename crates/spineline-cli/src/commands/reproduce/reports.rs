@@ -12,6 +12,7 @@ use spineline_report::{Document, cohort, html, patient};
 use super::drawings::EXAMPLE;
 use super::files::analysis_file;
 use super::runs::Run;
+use crate::analysis::confidence::Confidence;
 use crate::run::failure::Failure;
 use crate::run::outputs::Outputs;
 use crate::run::provenance::generator;
@@ -56,12 +57,7 @@ fn of_cohort(run: &Run, provenance: &Provenance) -> Document {
 fn of_patient(case: &Case, analysis: &Analysis, provenance: &Provenance) -> Document {
     let file = analysis_file(case, analysis, provenance);
     patient::report(&Patient {
-        case,
-        analysis,
-        pictures: &[],
-        identifiability: None,
-        uncertainty: None,
-        generator: &generator(),
         json: &results_line(&file),
+        ..Confidence::default().report(analysis, case, &generator())
     })
 }
