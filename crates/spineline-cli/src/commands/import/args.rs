@@ -79,11 +79,11 @@ pub struct ImportArgs {
     pub spacing: Vec<OfFilm<Spacing>>,
     /// Calibration ball in the picture: two pixels at opposite ends of a diameter, and the diameter in mm, optionally with its
     /// standard deviation, as in erect=212,400,337,400,25 or erect=212,400,337,400,25+-0.1; may be repeated
-    #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = clicks)]
-    pub ball: Vec<(Posture, Clicks)>,
+    #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = ball)]
+    pub ball: Vec<(Posture, Calibration)>,
     /// Ruler in the picture: two pixels on it, and the length between them in mm; format as `--ball`
-    #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = clicks)]
-    pub ruler: Vec<(Posture, Clicks)>,
+    #[arg(long, value_name = "POSTURE=COLUMN,ROW,COLUMN,ROW,MM", value_parser = ruler)]
+    pub ruler: Vec<(Posture, Calibration)>,
     /// File of landmarks from another program, for all films or for one as in erect=erect.mrk.json; may be repeated. `--help`
     /// lists the formats
     #[arg(long, value_name = "[POSTURE=]FILE", value_parser = landmarks)]
@@ -150,35 +150,11 @@ pub fn answer_for<T: Copy>(all: &[OfFilm<T>], view: FilmView) -> Option<T> {
     named.or_else(general).map(|said| said.value)
 }
 
-/// Two clicks and a length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clicks {
-    pub clicks: [Pixel; 2],
-    pub length_mm: f64,
-    pub length_sd_mm: f64,
-}
-
-impl Clicks {
-    pub const fn calibration(self, calibrator: Calibrator, pixel_aspect: f64) -> Calibration {
-        Calibration {
-            calibrator,
-            clicks: self.clicks,
-            length_mm: self.length_mm,
-            length_sd_mm: self.length_sd_mm,
-            click_sd_px: Calibration::CLICK_SD_PX,
-            pixel_aspect,
-        }
-    }
-}
-
 impl ImportArgs {
-    /// Two clicks for a posture's film, with what was clicked.
-    pub fn calibrator(&self, posture: Posture) -> Option<(Calibrator, Clicks)> {
-        let of = |all: &[(Posture, Clicks)]| {
-            all.iter().find(|(of, _)| *of == posture).map(|(_, clicks)| *clicks)
-        };
-        let ball = of(&self.ball).map(|clicks| (Calibrator::Ball, clicks));
-        ball.or_else(|| of(&self.ruler).map(|clicks| (Calibrator::Ruler, clicks)))
+    /// The ball or the ruler in a posture's film, on square pixels.
+    pub fn calibration(&self, posture: Posture) -> Option<Calibration> {
+        let mut all = self.ball.iter().chain(&self.ruler);
+        all.find(|(of, _)| *of == posture).map(|(_, calibration)| *calibration)
     }
 
     /// Refuses two answers to one question.
@@ -194,12 +170,11 @@ impl ImportArgs {
                 }
             }
         };
-        let of = |all: &[(Posture, Clicks)]| all.iter().map(|(p, _)| Some(*p)).collect::<Vec<_>>();
-        let calibrators = [of(&self.ball), of(&self.ruler)].concat();
+        let calibrators = self.ball.iter().chain(&self.ruler).map(|(p, _)| Some(*p));
         self.check_readings()?;
         twice("--patient-left", &self.patient_left.iter().map(|o| o.posture).collect::<Vec<_>>())?;
         twice("--spacing", &self.spacing.iter().map(|o| o.posture).collect::<Vec<_>>())?;
-        twice("a scale by --ball or --ruler", &calibrators)?;
+        twice("a scale by --ball or --ruler", &calibrators.collect::<Vec<_>>())?;
         twice("--invert", &self.invert.iter().copied().map(Some).collect::<Vec<_>>())
     }
 
@@ -334,7 +309,15 @@ fn spacing_of_film(text: &str) -> Result<OfFilm<Spacing>, String> {
     })
 }
 
-fn clicks(text: &str) -> Result<(Posture, Clicks), String> {
+fn ball(text: &str) -> Result<(Posture, Calibration), String> {
+    calibration(text, Calibrator::Ball)
+}
+
+fn ruler(text: &str) -> Result<(Posture, Calibration), String> {
+    calibration(text, Calibrator::Ruler)
+}
+
+fn calibration(text: &str, calibrator: Calibrator) -> Result<(Posture, Calibration), String> {
     let expected =
         || "expected POSTURE=COLUMN,ROW,COLUMN,ROW,MM, such as erect=212,400,337,400,25".to_owned();
     let (name, rest) = text.split_once('=').ok_or_else(expected)?;
@@ -344,10 +327,13 @@ fn clicks(text: &str) -> Result<(Posture, Clicks), String> {
     let (length, sd) = length.split_once("+-").unwrap_or((length, "0"));
     Ok((
         posture(name)?,
-        Clicks {
+        Calibration {
+            calibrator,
             clicks: [Pixel::new(number(a)?, number(b)?), Pixel::new(number(c)?, number(d)?)],
             length_mm: number(length)?,
             length_sd_mm: number(sd)?,
+            click_sd_px: Calibration::CLICK_SD_PX,
+            pixel_aspect: 1.0,
         },
     ))
 }

@@ -6,7 +6,7 @@ use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
 use spineline::number::fixed;
 use spineline_films::{FilmDoubt, spacing_question};
-use spineline_marking::{View, ViewQuestion, judge_view};
+use spineline_marking::{Calibration, View, ViewQuestion, judge_view};
 
 use super::args::{ImportArgs, answer_for};
 use super::candidates::{ChosenFilm, Seen};
@@ -195,27 +195,23 @@ fn spacing(
 ) -> Result<Option<Spacing>, Failure> {
     let judged = seen.spacing();
     let said = answer_for(&args.spacing, view);
-    if let Some((calibrator, clicks)) = view.posture().and_then(|posture| args.calibrator(posture))
-    {
+    let calibration = view.posture().and_then(|posture| args.calibration(posture));
+    let calibrated = calibration.map(|clicked| {
         // A ball does not give the aspect ratio of a pixel; a spacing does, in any plane.
-        let aspect = said.or(judged.spacing).map_or(1.0, |spacing| spacing.aspect());
-        let spacing = clicks
-            .calibration(calibrator, aspect)
+        let known = said.or(judged.spacing);
+        let pixel_aspect = known.map_or(clicked.pixel_aspect, |spacing| spacing.aspect());
+        Calibration { pixel_aspect, ..clicked }
             .spacing([seen.columns, seen.rows])
-            .map_err(|error| Failure::usage(format!("the scale of the {view} film: {error}")))?;
-        if let Some(file) = judged.spacing {
-            compare(view, &file, &spacing, notes);
-        }
-        return Ok(Some(spacing));
+            .map_err(|error| Failure::usage(format!("the scale of the {view} film: {error}")))
+    });
+    let Some(used) = calibrated.transpose()?.or(said) else {
+        notes.extend(judged.remarks.iter().map(ToString::to_string));
+        return Ok(judged.spacing);
+    };
+    if let Some(file) = judged.spacing {
+        compare(view, &file, &used, notes);
     }
-    if let Some(said) = said {
-        if let Some(file) = judged.spacing {
-            compare(view, &file, &said, notes);
-        }
-        return Ok(Some(said));
-    }
-    notes.extend(judged.remarks.iter().map(ToString::to_string));
-    Ok(judged.spacing)
+    Ok(Some(used))
 }
 
 /// Notes a scale that differs from the file's by more than a magnification can.
