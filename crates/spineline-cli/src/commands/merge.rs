@@ -11,11 +11,11 @@ use spineline_files::{
 };
 use spineline_tables::{CsvMerger, MergeError, ParquetMerger, csv_case_ids, parquet_case_ids};
 
-use crate::options::shard::Shard;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
 use crate::run::progress::bar;
 use crate::run::provenance::this_run;
+use crate::run::shard::Shard;
 
 pub const EXAMPLES: &str = "\
 A part is a folder that `analyze --tables` has written. Its tables must be as they were written, and all parts must come from one version \

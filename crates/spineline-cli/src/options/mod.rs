@@ -3,6 +3,5 @@
 pub mod choice;
 pub mod method;
 pub mod phantoms;
-pub mod shard;
 pub mod uncertainty;
 pub mod values;

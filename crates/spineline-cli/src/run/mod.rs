@@ -10,5 +10,6 @@ pub mod outputs;
 pub mod pdf;
 pub mod progress;
 pub mod provenance;
+pub mod shard;
 pub mod suggestions;
 pub mod threads;

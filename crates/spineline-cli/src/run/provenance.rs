@@ -8,6 +8,7 @@ use chrono::{DateTime, SecondsFormat, Utc};
 use spineline_files::{ProgramRun, Provenance};
 
 use super::failure::Failure;
+use super::shard::Shard;
 
 /// Environment variable with the time of the run in seconds since 1970, for reproducible outputs (reproducible-builds.org).
 const EPOCH: &str = "SOURCE_DATE_EPOCH";
@@ -51,17 +52,11 @@ fn shown_words(words: impl Iterator<Item = String>) -> Vec<String> {
     let mut is_shard = false;
     let shown = words.map(|word| {
         let value = word.strip_prefix("--shard=").or(is_shard.then_some(&word));
-        let keeps = value.is_some_and(is_fraction);
-        is_shard = word == "--shard";
+        let keeps = value.is_some_and(|value| value.parse::<Shard>().is_ok());
+        is_shard = word == Shard::OPTION;
         if keeps { word } else { shown_word(&word) }
     });
     shown.collect()
-}
-
-/// Whether a word is a part and a number of parts, as in `3/8`.
-fn is_fraction(word: &str) -> bool {
-    let is_number = |part: &str| part.parse::<u32>().is_ok();
-    word.split_once('/').is_some_and(|(part, of)| is_number(part) && is_number(of))
 }
 
 /// A word of the command line with files named as outputs name them, after `=` and between commas too.

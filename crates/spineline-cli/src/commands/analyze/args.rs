@@ -7,10 +7,10 @@ use clap::{Args, ValueEnum};
 use spineline::action::LineKind;
 
 use crate::options::method::MethodArgs;
-use crate::options::shard::Shard;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
+use crate::run::shard::Shard;
 
 /// The name of [`ModelLine::Auto`].
 const AUTO: &str = "auto";
