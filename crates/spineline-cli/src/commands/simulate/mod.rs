@@ -14,12 +14,11 @@ use std::path::PathBuf;
 use spineline::multibody::{ForceSign, PathPoint};
 use spineline::number::fixed;
 use spineline_files::{FilmOrigin, InputFile, Provenance, results_text};
-use spineline_report::terminal::Lines;
 use spineline_tables::Table;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{read_input, read_model};
-use crate::run::outputs::{Outputs, is_stdout, print, print_notices};
+use crate::run::outputs::{Outputs, is_stdout, print_document, print_notices};
 use crate::run::provenance::{in_svg, this_run};
 use crate::run::{interrupt, progress};
 use outcome::Outcome;
@@ -46,7 +45,7 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     // Results are shown although they cannot be written.
     let written = outcome.write(args, &outputs).and_then(|()| outputs.commit_and_say());
     if streams == 0 {
-        print(Lines::of_text(&text::report(&outcome)))?;
+        print_document(&text::report(&outcome))?;
     } else {
         print_notices(&text::notices(&outcome));
     }
@@ -135,6 +134,7 @@ mod tests {
     use spineline::analysis::{AnalysisOptions, analyze};
     use spineline::multibody::PathEnding;
     use spineline_phantom::{Readers, Scenario, generate};
+    use spineline_report::terminal;
 
     #[derive(Parser)]
     struct Line {
@@ -173,7 +173,7 @@ mod tests {
             assert!(outcome.svg().contains("not a result (interrupted)"));
             let rows = outcome.path().to_csv().expect("a table");
             assert_eq!(rows.lines().count(), 1 + 3);
-            let text = text::report(&outcome);
+            let text = terminal::terminal(&text::report(&outcome), terminal::WIDTH);
             assert!(text.contains("INTERRUPTED · NO RESULT") && !text.contains("Cobb"), "{text}");
         }
     }

@@ -5,27 +5,24 @@ use spineline::number::fixed;
 use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::SimulationWarning;
 use spineline_report::document::{Document, Notice, NoticeKind, Section};
-use spineline_report::terminal;
 
 use super::outcome::Outcome;
-use crate::run::outputs::width;
 use crate::run::provenance::generator;
 
-/// The whole report as text.
-pub fn report(outcome: &Outcome) -> String {
+/// The whole report.
+pub fn report(outcome: &Outcome) -> Document {
     let mut sections = vec![target(outcome), ending(outcome)];
     sections.extend(outcome.response.result().map(|result| shape(outcome, result)));
     sections.extend([replicates(outcome), path(outcome)]);
     sections.retain(|section| !section.blocks.is_empty());
-    let document = Document {
+    Document {
         title: "Simulation".to_owned(),
         subject: subject(outcome),
         generator: generator(),
         banners: Vec::new(),
         sections,
         analysis: String::new(),
-    };
-    terminal::terminal(&document, width())
+    }
 }
 
 /// The warnings.
