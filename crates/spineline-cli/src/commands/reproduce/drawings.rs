@@ -24,26 +24,24 @@ pub fn write(
     runs: &[Run],
     provenance: &Provenance,
 ) -> Result<(), Failure> {
-    let save = |name: String, svg: &str| {
-        outputs.write(&folder.join(format!("{name}.svg")), in_svg(svg, provenance))
+    // A figure that a group lacks is left out.
+    let save = |name: String, svg: Option<String>| match svg {
+        Some(svg) => outputs.write(&folder.join(format!("{name}.svg")), in_svg(&svg, provenance)),
+        None => Ok(()),
     };
-    for run in runs.iter().filter(|run| run.support == Support::Free) {
+    let free: Vec<&Run> = runs.iter().filter(|run| run.support == Support::Free).collect();
+    for run in &free {
         let (scenario, example) = (run.name, &run.analyses[EXAMPLE]);
-        save(format!("overview-{scenario}"), &figures::case_overview(example))?;
-        if let Some(svg) = figures::functional_unit(&run.cases[EXAMPLE], example) {
-            save(format!("figure-02-unit-{scenario}"), &svg)?;
-        }
-        save(format!("figure-04-chain-{scenario}"), &figures::chain(example))?;
-        if let Some(svg) = figures::rotations(example) {
-            save(format!("figure-05-rotations-{scenario}"), &svg)?;
-        }
+        save(format!("overview-{scenario}"), Some(figures::case_overview(example)))?;
+        let unit = figures::functional_unit(&run.cases[EXAMPLE], example);
+        save(format!("figure-02-unit-{scenario}"), unit)?;
+        save(format!("figure-04-chain-{scenario}"), Some(figures::chain(example)))?;
+        save(format!("figure-05-rotations-{scenario}"), figures::rotations(example))?;
         let groups = EstimateGroup::of(&run.cohort);
-        if let Some(svg) = figures::least_rotating_estimates(&groups, run.cohort.synthetic) {
-            save(format!("figure-10-estimates-{scenario}"), &svg)?;
-        }
+        let estimates = figures::least_rotating_estimates(&groups, run.cohort.synthetic);
+        save(format!("figure-10-estimates-{scenario}"), estimates)?;
     }
     let synthetic = runs.iter().any(|run| run.cohort.synthetic);
-    let free: Vec<&Run> = runs.iter().filter(|run| run.support == Support::Free).collect();
     let inflections: Vec<InflectionSample> = free
         .iter()
         .map(|run| InflectionSample {
@@ -52,15 +50,12 @@ pub fn write(
             rotations_deg: run.cohort.inflection[0].all_rotations_deg.clone(),
         })
         .collect();
-    if let Some(svg) = figures::inflection_distances(&inflections, true, synthetic) {
-        save("figure-06-inflections".to_owned(), &svg)?;
-    }
+    let distances = figures::inflection_distances(&inflections, true, synthetic);
+    save("figure-06-inflections".to_owned(), distances)?;
     for support in [Support::Free, Support::Frontal] {
         let runs: Vec<&Run> = runs.iter().filter(|run| run.support == support).collect();
         error_figures(&runs, support.key(), &save)?;
-        for run in runs {
-            example(run, support.key(), &save)?;
-        }
+        runs.iter().try_for_each(|run| example(run, &save))?;
     }
     Ok(())
 }
@@ -69,7 +64,7 @@ pub fn write(
 fn error_figures(
     runs: &[&Run],
     support: &str,
-    save: &impl Fn(String, &str) -> Result<(), Failure>,
+    save: &impl Fn(String, Option<String>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     type OfPaper = fn(LineKind) -> Option<PaperMean>;
     let errors = |role: FilmRole, of_paper: OfPaper| -> Vec<LocationErrorSample> {
@@ -93,9 +88,8 @@ fn error_figures(
     ];
     for (name, errors, films) in kinds {
         let films = format!("{films}, support {support}");
-        if let Some(svg) = figures::location_errors(&errors, &films, synthetic) {
-            save(format!("figure-08-errors-{name}-{support}"), &svg)?;
-        }
+        let drawn = figures::location_errors(&errors, &films, synthetic);
+        save(format!("figure-08-errors-{name}-{support}"), drawn)?;
     }
     Ok(())
 }
@@ -103,28 +97,19 @@ fn error_figures(
 /// Figures 9 and 11 of one patient.
 fn example(
     run: &Run,
-    support: &str,
-    save: &impl Fn(String, &str) -> Result<(), Failure>,
+    save: &impl Fn(String, Option<String>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let (scenario, analysis) = (run.name, &run.analyses[EXAMPLE]);
+    let (scenario, support, analysis) = (run.name, run.support.key(), &run.analyses[EXAMPLE]);
     for posture in [Posture::LeftBending, Posture::Traction] {
-        if let Some(svg) = figures::measured_and_simulated(analysis, posture) {
-            save(format!("figure-09-{}-{scenario}-{support}", posture.key()), &svg)?;
-        }
+        let drawn = figures::measured_and_simulated(analysis, posture);
+        save(format!("figure-09-{}-{scenario}-{support}", posture.key()), drawn)?;
     }
     let model = analysis.model(LineKind::Inflection);
     let parts = [0.0, 0.5, 1.0, 1.25];
     let path = model.and_then(|m| analysis.force_path(m, Posture::RightBending, &parts));
-    if let Some(shapes) = path {
+    let drawn = path.map(|shapes| {
         let unit = "of the force found";
-        let svg = figures::force_path(
-            analysis,
-            Posture::RightBending,
-            LineKind::Inflection,
-            &shapes,
-            unit,
-        );
-        save(format!("figure-11-force-{scenario}-{support}"), &svg)?;
-    }
-    Ok(())
+        figures::force_path(analysis, Posture::RightBending, LineKind::Inflection, &shapes, unit)
+    });
+    save(format!("figure-11-force-{scenario}-{support}"), drawn)
 }
