@@ -64,14 +64,15 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 /// The cases among the files of a folder: files that this program wrote are passed over, and a message says so. Analyses count as
 /// cases if the folder has no case.
 fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
-    let inside: Vec<PathBuf> = inside.into_iter().filter(|file| !is_truth(file)).collect();
-    let (outputs, mut cases): (Vec<_>, Vec<_>) = inside
+    // The true values of a phantom lie beside its case.
+    let is_truth = |file: &PathBuf| file.to_string_lossy().ends_with(".truth.json");
+    let (mut outputs, mut cases): (Vec<_>, Vec<_>) = inside
         .into_par_iter()
+        .filter(|file| !is_truth(file))
         .map(|file| (output_format(&file), file))
         .collect::<Vec<_>>()
         .into_iter()
         .partition(|(format, _)| format.is_some());
-    let mut outputs = outputs;
     if cases.is_empty() {
         let is_analysis = |format: &Option<String>| format.as_deref() == Some(ANALYSIS);
         (cases, outputs) = outputs.into_iter().partition(|(format, _)| is_analysis(format));
@@ -96,11 +97,6 @@ fn output_format(path: &Path) -> Option<String> {
     let text = read_text(path).ok()?;
     let format = spineline_files::file_format(&text)?;
     (format.starts_with("spineline-") && format != "spineline-case").then_some(format)
-}
-
-/// Whether a file holds the true values of a phantom, which lie beside its case.
-fn is_truth(path: &Path) -> bool {
-    path.to_string_lossy().ends_with(".truth.json")
 }
 
 /// A case with the file that it was read from.

@@ -64,7 +64,9 @@ pub fn analyze_all<'a>(
         Ok(())
     })?;
     kept.is_cut_short |= ended < paths.len();
-    kept.check_interruption()?;
+    if !kept.has_results() {
+        return Err(Failure::interrupted());
+    }
     kept.leave_out(&paths[ended..], all);
     print_notices(&kept.read.warnings());
     if !asked.args.warnings {
@@ -91,7 +93,7 @@ impl<'a> Kept<'a> {
             self.ending = Ending::NotConverged;
         }
         // Interrupted before any replicate: print nothing.
-        if !self.is_cut_short || self.has_replicates {
+        if self.has_results() {
             if args.warnings {
                 print_notices(&warnings(analysis));
             }
@@ -129,8 +131,8 @@ impl<'a> Kept<'a> {
         }
     }
 
-    fn check_interruption(&self) -> Result<(), Failure> {
-        let has_results = !self.is_cut_short || self.has_replicates;
-        if has_results { Ok(()) } else { Err(Failure::interrupted()) }
+    /// Whether no interruption came before the first replicate.
+    const fn has_results(&self) -> bool {
+        !self.is_cut_short || self.has_replicates
     }
 }

@@ -108,7 +108,9 @@ impl Report<'_> {
         })?;
         let written = written.into_iter().collect::<Result<Vec<_>, Failure>>()?;
         let name = format!("{}-figures.provenance.json", self.stem);
-        self.write_list(&folder.join(name), written.into_iter().flatten().collect(), outputs)
+        let files = written.into_iter().flatten().collect();
+        let list = ProvenanceFile::new(files, self.provenance.clone());
+        outputs.write(&folder.join(name), to_text(&list))
     }
 
     /// The text, and its figures in a folder beside it.
@@ -121,14 +123,5 @@ impl Report<'_> {
             outputs.write(&file, in_svg(&figure.svg, self.provenance))?;
         }
         outputs.write(out, markdown(self.document, &name))
-    }
-
-    fn write_list(
-        &self,
-        path: &Path,
-        files: Vec<InputFile>,
-        outputs: &Outputs,
-    ) -> Result<(), Failure> {
-        outputs.write(path, to_text(&ProvenanceFile::new(files, self.provenance.clone())))
     }
 }

@@ -96,7 +96,7 @@ impl Outcome {
         let inputs = std::iter::once(&args.model).chain(&args.load);
         let mut inputs: Vec<InputFile> =
             inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
-        inputs.extend(self.source.as_ref().map(|source| source.input().clone()));
+        inputs.extend(self.source.as_ref().map(|source| source.case.input.clone()));
         let films = FilmOrigin::of([self.model.synthetic]);
         let case_id = self.model.case_id.clone();
         outputs.of_case(&case_id);

@@ -3,7 +3,7 @@
 use spineline::measure::Outline;
 use spineline::response::LoadedMeasure;
 use spineline::uncertainty::LoadedUncertainty;
-use spineline_files::{InputFile, ModelSource, Replicates, Request, Simulated, StoredModel};
+use spineline_files::{ModelSource, Replicates, Request, Simulated, StoredModel};
 
 use super::args::SimulateArgs;
 use crate::analysis::replicates::{monte_carlo, run_loaded_replicates};
@@ -12,7 +12,7 @@ use crate::run::inputs::CaseInput;
 
 /// The case that a model was made from, analysed again, and the replicates that are asked for.
 pub struct Source {
-    case: CaseInput,
+    pub case: CaseInput,
     source: ModelSource,
     asked: Replicates,
 }
@@ -33,11 +33,6 @@ impl Source {
         let source = ModelSource::of(model, &case.case)
             .map_err(|error| Failure::input(path.display(), &error, error.help()))?;
         Ok(Some(Self { case, source, asked }))
-    }
-
-    /// The file of the case.
-    pub const fn input(&self) -> &InputFile {
-        &self.case.input
     }
 
     /// The request for the case.
