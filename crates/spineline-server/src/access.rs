@@ -59,7 +59,7 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
     let (cache, name) = (state.clone(), study.clone());
     let found = state.store(move |store| {
         let sequence = store.last_result_change(&name)?.sequence;
-        Ok(match cache.results().get(&name, sequence) {
+        Ok(match cache.results.get(&name, sequence) {
             Some(result) => Ok(result),
             None => Err((sequence, store.current_case(&name, CaseReadings::Finished)?)),
         })
@@ -72,7 +72,7 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
                 let result = Arc::new(StudyResult::of(&name, current));
                 // The list of studies needs it, and reads it while it holds the store.
                 result.models_verdict();
-                state.results().keep(sequence, &result);
+                state.results.keep(sequence, &result);
                 result
             })
             .await

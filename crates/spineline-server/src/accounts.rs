@@ -38,7 +38,8 @@ async fn put_account(
     let password = match password {
         Some(text) => {
             let account = name.clone();
-            Some(state.with_password(move || PasswordHash::new(&text, &account)).await??)
+            let made = move || PasswordHash::new(&text, &account);
+            Some(state.with_password(&state.passwords, made).await??)
         }
         None => None,
     };
@@ -58,7 +59,7 @@ async fn put_account(
             Err(error) => Err(error.into()),
         })
         .await?;
-    state.changes().rights_changed();
+    state.changes.rights_changed();
     Ok(Json(account))
 }
 

@@ -29,7 +29,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, path = "/api/archives",
     responses((status = 200, body = Vec<String>), Problem))]
 async fn archives(State(state): State<AppState>, _user: User) -> Json<Vec<String>> {
-    Json(state.archives().names())
+    Json(state.archives.names())
 }
 
 /// Searches an archive for the films of one patient or one order. The log of the store has an entry for it, without the value.
@@ -41,7 +41,7 @@ async fn search(
     Json(asked): Json<ArchiveSearch>,
 ) -> Answer<Json<ArchiveSeriesList>> {
     user.need(Role::Editor)?;
-    let archives = state.archives();
+    let archives = &state.archives;
     let archive = archives.named(&asked.archive)?;
     let search = Search::new(asked.key, &asked.value)?;
     let search = match asked.day {
@@ -66,7 +66,7 @@ async fn films(
     Json(asked): Json<ArchiveSeriesChoice>,
 ) -> Answer<Json<ArchiveFilmList>> {
     user.need(Role::Editor)?;
-    let archives = state.archives();
+    let archives = &state.archives;
     let archive = archives.named(&asked.archive)?;
     let series = SeriesUid::new(&asked.study, &asked.series)?;
     let ask = move |client: &Client| client.films(&archive, &series);
@@ -85,14 +85,14 @@ async fn open(
     Json(asked): Json<ArchiveFilmChoice>,
 ) -> Answer<Json<UploadView>> {
     user.need(Role::Editor)?;
-    let archives = state.archives();
+    let archives = &state.archives;
     let archive = archives.named(&asked.archive)?;
     let film = FilmUid::new(SeriesUid::new(&asked.study, &asked.series)?, &asked.instance)?;
     let (asks, asked_film) = (archive.clone(), film.clone());
     let ask = move |client: &Client| client.retrieve(&asks, &asked_film);
     let bytes = archives.retrieve(ask).await?;
     log(&state, &user, "retrieve", asked.archive).await?;
-    let room = state.films().uploads.reserve(&user.name, bytes.len() as u64, state.now())?;
+    let room = state.films.uploads.reserve(&user.name, bytes.len() as u64, state.now())?;
     let is_asked = |found: &FilmFile| archives.check(&archive, &film, found);
     stage(&state, &user, room, bytes, is_asked).await.map(Json)
 }

@@ -37,7 +37,7 @@ async fn changes(
 ) -> Answer<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
     let study = study_name(&study)?;
     // Subscribes before the lookup, so that no change is missed.
-    let messages = BroadcastStream::new(state.changes().subscribe());
+    let messages = BroadcastStream::new(state.changes.subscribe());
     let secret = user::secret_of(&state, &headers).unwrap_or_default();
     let (asked, who) = (study.clone(), user.clone());
     let found = state.ask(move |store| {
@@ -46,7 +46,7 @@ async fn changes(
     });
     let (role, visibility) = found.await?;
     let listener = Listener { state, secret, user, study, role, visibility };
-    let every = listener.state.limits().recheck;
+    let every = listener.state.options.limits.recheck;
     let rechecks = IntervalStream::new(interval_at(Instant::now() + every, every));
     let messages = messages
         // A listener that missed messages may have missed a change of its rights.
@@ -93,7 +93,7 @@ impl Listener {
 
     /// Refuses where the session has ended or its rights have changed.
     fn still_may(&self, store: &Store) -> Answer<()> {
-        let access = self.state.options().access;
+        let access = self.state.options.access;
         let user = user::user_behind(store, &self.secret, access, self.state.now())?;
         if user == self.user
             && user.on_study(store, &self.study)? == self.role

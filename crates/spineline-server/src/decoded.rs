@@ -13,17 +13,17 @@ use crate::words;
 
 /// A film of the store, decoded.
 pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
-    if let Some(screen) = state.films().screen(content) {
+    if let Some(screen) = state.films.screen(content) {
         return Ok(screen);
     }
-    let _permit = state.films().decoding().await?;
+    let _permit = state.films.decoding().await?;
     // Another request may have decoded it in the meantime.
-    if let Some(screen) = state.films().screen(content) {
+    if let Some(screen) = state.films.screen(content) {
         return Ok(screen);
     }
     let film = stored(state, content).await?;
     let screen = computed(move || Arc::new(Screen::of(&film))).await?;
-    state.films().keep(content, screen.clone());
+    state.films.keep(content, screen.clone());
     Ok(screen)
 }
 
@@ -32,14 +32,14 @@ pub async fn picture(state: &AppState, film: &FilmRecord) -> Answer<Vec<u8>> {
     const ROWS: u32 = 800;
     let image = film.geometry()?;
     let (aspect, rows) = (words::pixel_aspect(image.spacing), ROWS.min(image.rows));
-    let _permit = state.films().decoding().await?;
+    let _permit = state.films.decoding().await?;
     let (file, inverted) = (stored(state, &film.content).await?, film.inverted);
     computed(move || file.display(None, inverted).thumbnail(rows, aspect).to_png()).await
 }
 
 /// SHA-256 of the picture of a film in the store, whatever its file.
 pub async fn picture_sha256(state: &AppState, content: &Hash) -> Answer<String> {
-    let _permit = state.films().decoding().await?;
+    let _permit = state.films.decoding().await?;
     let film = stored(state, content).await?;
     computed(move || film.picture_sha256()).await
 }
@@ -49,7 +49,7 @@ pub async fn thumbnails(state: &AppState, content: &Hash) -> Answer<Thumbnails> 
     if let Some(known) = kept_thumbnails(state, content).await? {
         return Ok(known);
     }
-    let _permit = state.films().decoding().await?;
+    let _permit = state.films.decoding().await?;
     // Another request may have drawn them in the meantime.
     if let Some(known) = kept_thumbnails(state, content).await? {
         return Ok(known);
@@ -82,7 +82,7 @@ async fn stored(state: &AppState, content: &Hash) -> Answer<FilmFile> {
 
 /// Decodes a film in a separate process.
 pub async fn decode(state: &AppState, bytes: Vec<u8>) -> Answer<FilmFile> {
-    let options = state.options().clone();
+    let options = state.options.clone();
     let decoded = computed(move || {
         let arguments: Vec<&str> = options.decoder_arguments.iter().map(String::as_str).collect();
         decode_in_child(&options.decoder, &arguments, bytes, &ChildLimits::default())

@@ -51,7 +51,7 @@ async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDet
                     for (content, small) in &thumbnails {
                         keep_thumbnails(store, content, small);
                     }
-                    asker.changes().send(&added.study, studies::of_study(&user));
+                    asker.changes.send(&added.study, studies::of_study(&user));
                     return studies::detail(&asker, store, &user, &added.study);
                 }
                 Err(StoreError::Exists { .. }) => {}

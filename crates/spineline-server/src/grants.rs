@@ -56,7 +56,7 @@ async fn put_grants(
             views(store, &study)
         })
         .await?;
-    state.changes().rights_changed();
+    state.changes.rights_changed();
     Ok(Json(grants))
 }
 

@@ -45,7 +45,7 @@ pub async fn headers(State(state): State<AppState>, request: Request, next: Next
     let is_api = is_api(request.uri());
     let mut answer = next.run(request).await;
     let headers = answer.headers_mut();
-    let https_only = state.options().https.then_some(HTTPS_ONLY);
+    let https_only = state.options.https.then_some(HTTPS_ONLY);
     for (name, value) in HEADERS.into_iter().chain(https_only) {
         headers.insert(name, HeaderValue::from_static(value));
     }
@@ -66,7 +66,7 @@ pub async fn guard(State(state): State<AppState>, request: Request, next: Next) 
 
 async fn admitted(state: &AppState, mut request: Request) -> Answer<(Request, Option<Place>)> {
     check(state, &request)?;
-    let rate = state.limits().body;
+    let rate = state.options.limits.body;
     request = request.map(|body| Body::new(TimedBody::new(body, rate)));
     // The handler reports errors of reading the session.
     let user = user::user_of(state, request.headers()).await.ok();
@@ -91,7 +91,7 @@ async fn admitted(state: &AppState, mut request: Request) -> Answer<(Request, Op
     } else {
         (Work::Stranger, Whose::Address(request_source::address(state, &request)))
     };
-    let place = state.rooms().take(work, whose).await?;
+    let place = state.rooms.take(work, whose).await?;
     Ok((request, Some(place)))
 }
 
@@ -123,7 +123,7 @@ async fn whole(state: &AppState, request: Request, most_bytes: usize) -> Answer<
 
 fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
     let headers = request.headers();
-    let host = host(request.uri(), headers).filter(|host| state.hosts().allow(host));
+    let host = host(request.uri(), headers).filter(|host| state.hosts.allow(host));
     let host = host.ok_or_else(wrong_host)?;
     if headers.get(header::CONTENT_ENCODING).is_some_and(|coding| coding != "identity") {
         return Err(Failure::new(
@@ -143,7 +143,7 @@ fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
     if !is_api(request.uri()) {
         return Ok(());
     }
-    if !comes_from_here(headers, &host, state.options().https, reads) {
+    if !comes_from_here(headers, &host, state.options.https, reads) {
         return Err(Failure::new(
             StatusCode::FORBIDDEN,
             "wrong_origin",

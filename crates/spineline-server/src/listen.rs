@@ -67,13 +67,13 @@ impl Server {
     /// Where it listens.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
-        self.state.address()
+        self.state.address
     }
 
     /// The successive sign-in tokens, each valid once. A token belongs after `#` of the address, which browsers do not send.
     #[must_use]
     pub fn tokens(&self) -> watch::Receiver<String> {
-        self.state.token().follow()
+        self.state.token.follow()
     }
 
     /// Answers requests until `end` completes, and then waits a few seconds for running ones.
@@ -83,7 +83,7 @@ impl Server {
     pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> std::io::Result<()> {
         let app = app(self.state.clone());
         let open = GracefulShutdown::new();
-        let slots = ConnectionSlots::new(self.state.limits().connections);
+        let slots = ConnectionSlots::new(self.state.options.limits.connections);
         let mut sweeps = tokio::time::interval(SWEEP_EVERY);
         let mut rests = tokio::time::interval(REST);
         rests.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -92,7 +92,7 @@ impl Server {
             let accepted = tokio::select! {
                 accepted = self.listener.accept() => accepted,
                 _ = sweeps.tick() => {
-                    self.state.films().uploads.sweep(self.state.now());
+                    self.state.films.uploads.sweep(self.state.now());
                     save_unsaved(&self.state);
                     continue;
                 }
@@ -122,7 +122,7 @@ impl Server {
             });
         }
         drop(self.listener);
-        self.state.changes().close();
+        self.state.changes.close();
         // Remaining connections are closed with the program.
         let _ = tokio::time::timeout(END_TIMEOUT, open.shutdown()).await;
         Ok(())

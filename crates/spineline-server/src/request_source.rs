@@ -78,7 +78,7 @@ impl RequestSource {
 
 /// The client's address, without the part that one person can choose freely. With `--https` a proxy reports it.
 pub fn address(state: &AppState, request: &Request) -> Option<IpAddr> {
-    let forwarded = state.options().https.then(|| forwarded(request.headers())).flatten();
+    let forwarded = state.options.https.then(|| forwarded(request.headers())).flatten();
     let peer = || request.extensions().get::<RequestSlot>().and_then(RequestSlot::address);
     forwarded.or_else(peer).map(network)
 }
@@ -101,7 +101,7 @@ fn network(address: IpAddr) -> IpAddr {
 }
 
 fn prefix(state: &AppState) -> String {
-    format!("spineline_device_{}_", state.address().port())
+    format!("spineline_device_{}_", state.address.port())
 }
 
 /// The cookie by which a browser is known for an account, sent with attempts to sign in only.
@@ -109,7 +109,7 @@ pub fn device_cookie(state: &AppState, name: &Name, proof: String) -> Cookie<'st
     let cookie = Cookie::build((format!("{}{name}", prefix(state)), proof))
         .http_only(true)
         .same_site(SameSite::Strict)
-        .secure(state.options().https)
+        .secure(state.options.https)
         .path("/api/session")
         .max_age(DEVICE.try_into().unwrap_or_default());
     cookie.build()

@@ -32,7 +32,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, path = "/api/sign-in", responses((status = 200, body = SignInPage)))]
 async fn sign_in_page(State(state): State<AppState>) -> Json<SignInPage> {
     let version = env!("CARGO_PKG_VERSION").to_owned();
-    Json(SignInPage { access: Wire(state.options().access), version })
+    Json(SignInPage { access: Wire(state.options.access), version })
 }
 
 /// The current session.
@@ -43,7 +43,7 @@ async fn session(
     user: User,
     headers: HeaderMap,
 ) -> Answer<Json<SessionView>> {
-    let access = state.options().access;
+    let access = state.options.access;
     let secret = secret_of(&state, &headers).ok_or_else(|| not_signed_in(access))?;
     Ok(Json(view(&user, access, &secret)))
 }
@@ -61,7 +61,7 @@ async fn sign_in(
         SignIn::Account { name, .. } => Name::new(name).ok(),
         SignIn::Token { .. } => None,
     };
-    let found = match (state.options().access, how) {
+    let found = match (state.options.access, how) {
         (Access::Token, SignIn::Token { token, observer }) => by_token(&state, &token, &observer),
         (Access::Accounts, SignIn::Account { password, .. }) => {
             by_account(&state, &from, account.as_ref(), password).await
@@ -92,7 +92,7 @@ type Begun = (CookieJar, AppendHeaders<Option<(HeaderName, String)>>, Json<Sessi
 /// Begins a session in a browser.
 async fn begin(state: &AppState, headers: &HeaderMap, proved: Proved) -> Answer<Begun> {
     let Proved { user, credential } = proved;
-    let (access, id) = (state.options().access, secret());
+    let (access, id) = (state.options.access, secret());
     let session = Session { name: user.name.clone(), access };
     let (before, now) = (secret_of(state, headers), state.now());
     let (begun, checked) = (id.clone(), credential.clone());
@@ -110,7 +110,7 @@ async fn begin(state: &AppState, headers: &HeaderMap, proved: Proved) -> Answer<
             Ok(store.begin_session(&begun, &session, now, LIMITS)?)
         })
         .await?;
-    state.changes().rights_changed();
+    state.changes.rights_changed();
     let answer = Json(view(&user, access, &id));
     let proof = credential.and_then(|credential| credential.device(now));
     let device = proof.map(|proof| device_cookie(state, &user.name, proof));
@@ -122,7 +122,7 @@ async fn begin(state: &AppState, headers: &HeaderMap, proved: Proved) -> Answer<
 fn by_token(state: &AppState, token: &str, observer: &str) -> Answer<Proved> {
     let name = Name::new(observer)?;
     // 192 random bits cannot be guessed, and failed attempts must not lock out the owner, so attempts are not limited.
-    if !state.token().use_up(token) {
+    if !state.token.use_up(token) {
         return Err(wrong("this address was used already, or is not the one in the terminal")
             .help("open the newest address that `spineline serve` printed"));
     }
@@ -137,16 +137,17 @@ async fn by_account(
 ) -> Answer<Proved> {
     let name = name.ok_or_else(wrong_password)?;
     let source = from.source(name);
-    state.attempts().begin(&source, name, state.now().unix_ms())?;
+    state.attempts.begin(&source, name, state.now().unix_ms())?;
     let asked = name.clone();
     let credential = state.store(move |store| store.credential(&asked)).await?;
     let compare = move || credential.check(&password).cloned().map(|account| (account, credential));
-    let found = match source {
-        Source::Device(_) => state.with_password(compare).await?,
-        _ => state.with_strangers_password(compare).await?,
+    let places = match source {
+        Source::Device(_) => &state.passwords,
+        _ => &state.strangers_passwords,
     };
+    let found = state.with_password(places, compare).await?;
     let (account, credential) = found.ok_or_else(wrong_password)?;
-    state.attempts().succeeded(&source, name);
+    state.attempts.succeeded(&source, name);
     let user = User { name: account.name, role: account.role };
     Ok(Proved { user, credential: Some(credential) })
 }
@@ -154,7 +155,7 @@ async fn by_account(
 /// Logs a refused attempt. An error here does not change the answer.
 async fn log_refused(state: &AppState, account: Option<Name>) {
     let by = program(state.now());
-    let Some(unlogged) = state.logged_refusals().log(by.at.unix_ms()) else { return };
+    let Some(unlogged) = state.logged_refusals.log(by.at.unix_ms()) else { return };
     let log = move |store: &mut Store| {
         let account = account.filter(|name| store.account(name).is_ok());
         store.log_refused_sign_in(account.as_ref(), unlogged, &by)
@@ -185,16 +186,16 @@ async fn change_password(
     headers: HeaderMap,
     Json(PasswordChange { current, password }): Json<PasswordChange>,
 ) -> Answer<Begun> {
-    if state.options().access == Access::Token {
+    if state.options.access == Access::Token {
         let text = "this program runs without accounts: it has no passwords";
         return Err(Failure::new(StatusCode::CONFLICT, "no_accounts", text));
     }
     let by = user.sign(state.now());
-    state.attempts().begin(&Source::Session, &user.name, by.at.unix_ms())?;
+    state.attempts.begin(&Source::Session, &user.name, by.at.unix_ms())?;
     let name = user.name.clone();
     let before = state.store(move |store| store.credential(&name)).await?;
     let name = user.name.clone();
-    let made = state.with_password(move || {
+    let made = state.with_password(&state.passwords, move || {
         before.check(&current)?;
         Some(PasswordHash::new(&password, &name).map(|password| (before, password)))
     });
@@ -202,7 +203,7 @@ async fn change_password(
         let text = "the current password is wrong; nothing was changed";
         Failure::new(StatusCode::FORBIDDEN, "wrong", text).help("ask an admin if you forgot it")
     })?;
-    state.attempts().succeeded(&Source::Session, &user.name);
+    state.attempts.succeeded(&Source::Session, &user.name);
     let (before, password) = made?;
     let name = user.name.clone();
     let changed = state.store(move |store| {
@@ -223,7 +224,7 @@ async fn sign_out(
 ) -> Answer<(CookieJar, StatusCode)> {
     if let Some(secret) = secret_of(&state, &headers) {
         state.store(move |store| store.end_session(&secret)).await?;
-        state.changes().rights_changed();
+        state.changes.rights_changed();
     }
     // A cookie without a value that ends now.
     let mut gone = cookie(&state, String::new());
@@ -235,7 +236,7 @@ fn cookie(state: &AppState, secret: String) -> Cookie<'static> {
     Cookie::build((cookie_name(state), secret))
         .http_only(true)
         .same_site(SameSite::Strict)
-        .secure(state.options().https)
+        .secure(state.options.https)
         .path("/")
         .build()
 }

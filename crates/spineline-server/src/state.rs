@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::net::SocketAddr;
+use std::ops::Deref;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
@@ -50,35 +51,52 @@ pub struct ServeOptions {
 
 /// State shared by all requests; cheap to clone.
 #[derive(Clone)]
-pub struct AppState {
-    shared: Arc<Shared>,
+pub struct AppState(Arc<Shared>);
+
+/// The parts of the state.
+pub struct Shared {
+    store: Mutex<Store>,
+    pub(crate) address: SocketAddr,
+    pub(crate) options: ServeOptions,
+    pub(crate) hosts: Hosts,
+    pub(crate) token: OneTimeToken,
+    pub(crate) attempts: Attempts,
+    /// Counts the refused attempts to sign in that get an entry in the log.
+    pub(crate) logged_refusals: LoggedRefusals,
+    /// Places for requests.
+    pub(crate) rooms: Rooms,
+    /// Places to compare passwords of known browsers and users.
+    pub(crate) passwords: Semaphore,
+    /// Places for the passwords of strangers, so that they do not delay users.
+    pub(crate) strangers_passwords: Semaphore,
+    /// Decoded films and uploads.
+    pub(crate) films: FilmCache,
+    pub(crate) archives: Archives,
+    /// Overviews for the list of studies.
+    pub(crate) overviews: OverviewCache,
+    pub(crate) changes: Channel,
+    /// Analyses of studies.
+    pub(crate) results: ResultCache,
+    /// Computations in the background.
+    pub(crate) jobs: Jobs<Computation>,
+    /// Pads that are tried in the background.
+    pub(crate) pad_maps: Jobs<PadMapWork>,
+    /// Intervals under loads that are computed in the background.
+    pub(crate) load_intervals: Jobs<LoadIntervalWork>,
 }
 
-struct Shared {
-    store: Mutex<Store>,
-    address: SocketAddr,
-    options: ServeOptions,
-    hosts: Hosts,
-    token: OneTimeToken,
-    attempts: Attempts,
-    logged_refusals: LoggedRefusals,
-    rooms: Rooms,
-    passwords: Semaphore,
-    strangers_passwords: Semaphore,
-    films: FilmCache,
-    archives: Archives,
-    overviews: OverviewCache,
-    changes: Channel,
-    results: ResultCache,
-    jobs: Jobs<Computation>,
-    pad_maps: Jobs<PadMapWork>,
-    load_intervals: Jobs<LoadIntervalWork>,
+impl Deref for AppState {
+    type Target = Shared;
+
+    fn deref(&self) -> &Shared {
+        &self.0
+    }
 }
 
 impl fmt::Debug for AppState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // Never the token.
-        f.debug_struct("AppState").field("address", &self.shared.address).finish_non_exhaustive()
+        f.debug_struct("AppState").field("address", &self.address).finish_non_exhaustive()
     }
 }
 
@@ -89,7 +107,7 @@ impl AppState {
         let hosts = Hosts::new(address, &options.hosts);
         let ServeLimits { requests, uploads, archive, .. } = options.limits;
         let archives = Archives::new(&options.archives, archive);
-        let shared = Shared {
+        Self(Arc::new(Shared {
             store: Mutex::new(store),
             address,
             options,
@@ -108,88 +126,13 @@ impl AppState {
             jobs: Jobs::default(),
             pad_maps: Jobs::default(),
             load_intervals: Jobs::default(),
-        };
-        Self { shared: Arc::new(shared) }
-    }
-
-    pub(crate) fn address(&self) -> SocketAddr {
-        self.shared.address
-    }
-
-    pub(crate) fn options(&self) -> &ServeOptions {
-        &self.shared.options
-    }
-
-    /// Analyses of studies.
-    pub(crate) fn results(&self) -> &ResultCache {
-        &self.shared.results
-    }
-
-    /// Computations in the background.
-    pub(crate) fn jobs(&self) -> &Jobs<Computation> {
-        &self.shared.jobs
-    }
-
-    /// Pads that are tried in the background.
-    pub(crate) fn pad_maps(&self) -> &Jobs<PadMapWork> {
-        &self.shared.pad_maps
-    }
-
-    /// Intervals under loads that are computed in the background.
-    pub(crate) fn load_intervals(&self) -> &Jobs<LoadIntervalWork> {
-        &self.shared.load_intervals
-    }
-
-    /// Decoded films and uploads.
-    pub(crate) fn films(&self) -> &FilmCache {
-        &self.shared.films
-    }
-
-    /// Image archives.
-    pub(crate) fn archives(&self) -> &Archives {
-        &self.shared.archives
-    }
-
-    /// Overviews for the list of studies.
-    pub(crate) fn overviews(&self) -> &OverviewCache {
-        &self.shared.overviews
-    }
-
-    /// The channel of changes.
-    pub(crate) fn changes(&self) -> &Channel {
-        &self.shared.changes
-    }
-
-    pub(crate) fn hosts(&self) -> &Hosts {
-        &self.shared.hosts
-    }
-
-    pub(crate) fn token(&self) -> &OneTimeToken {
-        &self.shared.token
-    }
-
-    pub(crate) fn attempts(&self) -> &Attempts {
-        &self.shared.attempts
-    }
-
-    /// Counts the refused attempts to sign in that get an entry in the log.
-    pub(crate) fn logged_refusals(&self) -> &LoggedRefusals {
-        &self.shared.logged_refusals
-    }
-
-    /// Places for requests.
-    pub(crate) fn rooms(&self) -> &Rooms {
-        &self.shared.rooms
-    }
-
-    pub(crate) fn limits(&self) -> &ServeLimits {
-        &self.shared.options.limits
+        }))
     }
 
     /// The token that signs in next.
     #[must_use]
     pub fn current_token(&self) -> String {
-        self.shared.token.follow().borrow().clone()
+        self.token.follow().borrow().clone()
     }
 
     /// Runs a query of the store on a thread that may wait for the disk.
@@ -215,32 +158,21 @@ impl AppState {
         let state = self.clone();
         let asked = computed(move || {
             // After a panic in a query its transaction is rolled back, so the store stays valid.
-            ask(&mut state.shared.store.lock().unwrap_or_else(PoisonError::into_inner))
+            ask(&mut state.store.lock().unwrap_or_else(PoisonError::into_inner))
         });
         asked.await?
     }
 
-    /// Hashes or compares a password without a lock on the store.
+    /// Hashes or compares a password without a lock on the store, at one of these places.
     ///
     /// # Errors
     /// If the work panics.
     pub(crate) async fn with_password<T: Send + 'static>(
         &self,
+        places: &Semaphore,
         work: impl FnOnce() -> T + Send + 'static,
     ) -> Answer<T> {
-        let _place = self.shared.passwords.acquire().await.expect("it is never closed");
-        computed(work).await
-    }
-
-    /// The same for strangers, separately, so that they do not delay users.
-    ///
-    /// # Errors
-    /// If the work panics.
-    pub(crate) async fn with_strangers_password<T: Send + 'static>(
-        &self,
-        work: impl FnOnce() -> T + Send + 'static,
-    ) -> Answer<T> {
-        let _place = self.shared.strangers_passwords.acquire().await.expect("it is never closed");
+        let _place = places.acquire().await.expect("it is never closed");
         computed(work).await
     }
 

@@ -108,7 +108,7 @@ impl FromRequestParts<AppState> for User {
 /// # Errors
 /// 401 without a session, and errors of reading the store.
 pub async fn user_of(state: &AppState, headers: &HeaderMap) -> Answer<User> {
-    let access = state.options().access;
+    let access = state.options.access;
     let secret = secret_of(state, headers).ok_or_else(|| not_signed_in(access))?;
     let now = state.now();
     let asked = state.ask(move |store| {
@@ -155,7 +155,7 @@ pub fn not_signed_in(access: Access) -> Failure {
 
 /// Cookies are shared between ports, so the name of the cookie contains the port.
 pub fn cookie_name(state: &AppState) -> String {
-    format!("spineline_session_{}", state.address().port())
+    format!("spineline_session_{}", state.address.port())
 }
 
 /// The secret in a request's cookie.

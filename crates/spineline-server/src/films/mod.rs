@@ -106,7 +106,7 @@ async fn edit(
         let who = user.name.to_string();
         let revision = edited.as_ref().ok().map(|edited| edited.revision);
         let change = Change { who, film: Some(film.id.0), reading: None, revision };
-        asker.changes().send(&film.study, change);
+        asker.changes.send(&film.study, change);
         edited?;
         studies::film_summary(&asker, store, &user, film.id)
     });

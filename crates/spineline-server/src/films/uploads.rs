@@ -53,11 +53,11 @@ async fn upload(
         return Err(too_large());
     }
     // Room for the file is reserved before it is read.
-    let room = state.films().uploads.reserve(&user.name, bytes, state.now())?;
+    let room = state.films.uploads.reserve(&user.name, bytes, state.now())?;
     let body = Bytes::from_request(request, &state).await;
     let bytes = body.map_err(|refused| refusal(&refused))?.into();
     let whose = Whose::Account(user.name.clone());
-    let _place = state.rooms().take(Work::Other, whose).await?;
+    let _place = state.rooms.take(Work::Other, whose).await?;
     stage(&state, &user, room, bytes, |_| Ok(())).await.map(Json)
 }
 
@@ -72,11 +72,11 @@ pub async fn stage(
     bytes: Vec<u8>,
     check: impl FnOnce(&FilmFile) -> Answer<()>,
 ) -> Answer<UploadView> {
-    let _permit = state.films().decoding().await?;
+    let _permit = state.films.decoding().await?;
     let film = decode(state, bytes.clone()).await?;
     check(&film)?;
     let (upload, mut view) = computed(move || look(&film, bytes)).await?;
-    view.notices.extend(state.films().uploads.twins(&user.name, &upload, state.now()));
+    view.notices.extend(state.films.uploads.twins(&user.name, &upload, state.now()));
     view.upload = room.keep(upload, state.now());
     Ok(view)
 }
@@ -103,7 +103,7 @@ async fn discard(
     user: User,
     Path(upload): Path<String>,
 ) -> Answer<StatusCode> {
-    let uploads = &state.films().uploads;
+    let uploads = &state.films.uploads;
     uploads.get(&user.name, &upload, state.now())?;
     uploads.forget(std::iter::once(upload.as_str()));
     Ok(StatusCode::NO_CONTENT)
@@ -117,7 +117,7 @@ async fn thumbnail(
     user: User,
     Path(upload): Path<String>,
 ) -> Answer<Response> {
-    let upload = state.films().uploads.get(&user.name, &upload, state.now())?;
+    let upload = state.films.uploads.get(&user.name, &upload, state.now())?;
     Ok(png(upload.thumbnail.clone()))
 }
 

@@ -43,7 +43,7 @@ pub(super) async fn detection(
     }
     let image = film.geometry()?;
     let shown = screen(&state, &film.content).await?;
-    let _permit = state.films().decoding().await?;
+    let _permit = state.films.decoding().await?;
     // The posture is hidden from a blinded reader.
     let is_other = seen.code.is_none() && film.view != FilmView::Frontal(Posture::Erect);
     let crests = marked.iliac_crests();
@@ -69,7 +69,7 @@ pub(super) async fn misfits(
     let Proposing { seen, marked, erect } = proposing(&state, user, reading).await?;
     let image = seen.film.geometry()?;
     let shown = screen(&state, &seen.film.content).await?;
-    let _permit = state.films().decoding().await?;
+    let _permit = state.films.decoding().await?;
     let levels = computed(move || {
         let proposals = marked.propose(&image, seen.film.view.posture(), erect.as_ref());
         let centre = |(&level, landmark): (&Level, &PartialLandmarks)| {

@@ -242,5 +242,5 @@ fn announce(state: &AppState, user: &User, seen: &SeenReading, revision: u64) {
         reading: Some(seen.record.id.0),
         revision: Some(revision),
     };
-    state.changes().send(&seen.study.id, change);
+    state.changes.send(&seen.study.id, change);
 }

@@ -106,7 +106,7 @@ pub async fn in_turns<W: Work, T: Send + 'static>(
     let mut found = Vec::new();
     for start in (0..job.asked).step_by(usize::try_from(block).unwrap_or(1)) {
         // The semaphore is never closed.
-        let _turn = state.jobs().turns.acquire().await;
+        let _turn = state.jobs.turns.acquire().await;
         if job.is_cancelled() {
             return Ok(None);
         }

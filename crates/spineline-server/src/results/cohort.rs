@@ -63,7 +63,7 @@ async fn of_studies(state: AppState, user: User, pools: bool) -> Answer<Json<Coh
     let shared = state.clone();
     let members = state.store(move |store| {
         let members = studies.into_iter().map(|(study, _)| {
-            let cache = shared.results();
+            let cache = &shared.results;
             let hidden = !sees_results(store, &user, &study.id)?;
             let result = if hidden { None } else { known(cache, store, &study.id)?.ok() };
             let line = match &result {

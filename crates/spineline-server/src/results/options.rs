@@ -54,7 +54,7 @@ async fn change(
         let edited = store.set_study_options(&study, &chosen, wanted.expected_revision, &by);
         // A refused change is reported too, because it is kept.
         let who = user.name.to_string();
-        asker.changes().send(&study, Change { who, film: None, reading: None, revision: None });
+        asker.changes.send(&study, Change { who, film: None, reading: None, revision: None });
         edited?;
         view(store, &user, &study)
     });

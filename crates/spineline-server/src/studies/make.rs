@@ -97,7 +97,7 @@ fn uploaded(
     let now = state.now();
     let uploads = films
         .iter()
-        .map(|film| Ok((film.clone(), state.films().uploads.get(&user.name, &film.upload, now)?)));
+        .map(|film| Ok((film.clone(), state.films.uploads.get(&user.name, &film.upload, now)?)));
     uploads.collect()
 }
 
@@ -142,7 +142,7 @@ async fn import_case(
     let now = state.now();
     let mut uploads = BTreeMap::new();
     for film in &import.films {
-        let upload = state.films().uploads.get(&user.name, &film.upload, now)?;
+        let upload = state.films.uploads.get(&user.name, &film.upload, now)?;
         uploads.insert(film.name.clone(), upload);
     }
     if !import.accept_doubtful_films {
@@ -179,8 +179,8 @@ async fn add(
     let (asker, now) = (state.clone(), state.now());
     let detail = state.ask(move |store| {
         let added = keep(store, &case, &user.sign(now))?;
-        asker.films().uploads.forget(used.iter().map(String::as_str));
-        asker.changes().send(&added.study, of_study(&user));
+        asker.films.uploads.forget(used.iter().map(String::as_str));
+        asker.changes.send(&added.study, of_study(&user));
         detail(&asker, store, &user, &added.study)
     });
     detail.await.map(Json)

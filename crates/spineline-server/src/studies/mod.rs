@@ -75,7 +75,7 @@ async fn edit_study(
         user.need_on_study(store, &study, if is_open { Role::Editor } else { Role::Admin })?;
         let edited = store.edit_study(&study, &change.edit, change.expected_revision, &by);
         // A refused edit is reported too, because it is kept.
-        asker.changes().send(&study, of_study(&user));
+        asker.changes.send(&study, of_study(&user));
         edited?;
         detail(&asker, store, &user, &study)
     });
@@ -97,7 +97,7 @@ async fn plan(
         user.need_on_study(store, &study, Role::Admin)?;
         let observers = new.observers.iter().map(|name| Name::new(name));
         let observers = observers.collect::<Result<Vec<_>, _>>()?;
-        if asker.options().access == Access::Accounts {
+        if asker.options.access == Access::Accounts {
             observers.iter().try_for_each(|name| may_read(store, &study, name))?;
         }
         let NewPlan { repeats, washout_days, proposals, replaces, .. } = new;
@@ -107,7 +107,7 @@ async fn plan(
             None => store.reading_plan(&study, &observers, design, random, &by)?,
             Some(plan) => store.change_plan(&study, plan, &observers, design, random, &by)?,
         };
-        asker.changes().send(&study, of_study(&user));
+        asker.changes.send(&study, of_study(&user));
         detail(&asker, store, &user, &study)
     });
     detail.await.map(Json)

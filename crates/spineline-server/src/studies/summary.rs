@@ -21,9 +21,9 @@ pub fn study_summary(
     study: &Study,
 ) -> Answer<StudySummary> {
     let changed = store.last_change(&study.id)?;
-    let overview = state.overviews().of(store, &study.id, changed.sequence)?;
+    let overview = state.overviews.of(store, &study.id, changed.sequence)?;
     let visibility = store.observer(&user.name).visibility(&study.id)?;
-    let mut results = results::summary(state.results(), store, user, &study.id)?;
+    let mut results = results::summary(&state.results, store, user, &study.id)?;
     if matches!(results.status, StudyStatus::ToMark | StudyStatus::Marking) {
         // Landmarks of unfinished readings count as progress.
         (results.status, results.status_text) = overview.status.clone();
@@ -59,7 +59,7 @@ pub fn film_summary(
 ) -> Answer<FilmSummary> {
     let film = store.film(film)?;
     let changed = store.last_change(&film.study)?;
-    let overview = state.overviews().of(store, &film.study, changed.sequence)?;
+    let overview = state.overviews.of(store, &film.study, changed.sequence)?;
     let visibility = store.observer(&user.name).visibility(&film.study)?;
     Ok(summary_of(&film, &overview, user, visibility))
 }

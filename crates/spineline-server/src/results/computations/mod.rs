@@ -41,7 +41,7 @@ async fn computation(
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
     recall(&state, &result).await?;
-    let job = state.jobs().of(&result, name.key());
+    let job = state.jobs.of(&result, name.key());
     computed(move || view(name, job.as_deref())).await.map(Json)
 }
 
@@ -72,7 +72,7 @@ async fn cancel(
     Path((study, Wire(name))): Path<(String, ComputationName)>,
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
-    let job = state.jobs().of(&result, name.key());
+    let job = state.jobs.of(&result, name.key());
     if let Some(job) = &job {
         job.cancel();
     }
@@ -115,7 +115,7 @@ impl Task for Computation {
     const RUNNING: [&'static str; 2] = ["this is being computed", "wait for it, or cancel it"];
 
     fn jobs(state: &AppState) -> &Jobs<Self> {
-        state.jobs()
+        &state.jobs
     }
 
     async fn run(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {

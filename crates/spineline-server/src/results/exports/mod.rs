@@ -56,7 +56,7 @@ pub async fn export(
         _ => Default::default(),
     };
     computations::recall(&state, &result).await?;
-    let found = state.jobs().computed(&result);
+    let found = state.jobs.computed(&result);
     let made = computed(move || {
         let case = result.current.usable_case();
         let analysis = found.models().map_or_else(|| result.analysed(), Ok)?;

@@ -39,7 +39,7 @@ async fn load_intervals(
 ) -> Answer<Json<LoadIntervalsView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
     recall(&state, &result).await?;
-    let job = state.load_intervals().of_line(&result, line);
+    let job = state.load_intervals.of_line(&result, line);
     computed(move || view(job.as_deref())).await.map(Json)
 }
 
@@ -75,7 +75,7 @@ async fn cancel_intervals(
     Path((study, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<LoadIntervalsView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
-    let job = state.load_intervals().of_line(&result, line);
+    let job = state.load_intervals.of_line(&result, line);
     if let Some(job) = &job {
         job.cancel();
     }
@@ -87,7 +87,7 @@ impl Task for LoadIntervalWork {
         ["intervals are being computed on this study", "wait for them, or cancel them"];
 
     fn jobs(state: &AppState) -> &Jobs<Self> {
-        state.load_intervals()
+        &state.load_intervals
     }
 
     async fn run(

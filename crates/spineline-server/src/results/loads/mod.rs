@@ -85,7 +85,7 @@ async fn simulation_file(
     let result = study_result(&state, &study).await?;
     // Intervals from before a restart are saved too.
     recall(&state, &result).await?;
-    let intervals = state.load_intervals().of_line(&result, line);
+    let intervals = state.load_intervals.of_line(&result, line);
     let made = computed(move || {
         let mut file = simulated_file(&result, line, &text)?.file(PROGRAM);
         let mut origin = provenance(result.analysed()?);

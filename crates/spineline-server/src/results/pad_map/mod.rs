@@ -99,7 +99,7 @@ fn map_of(
     result: &Arc<StudyResult>,
     line: LineKindName,
 ) -> Option<Arc<PadMapJob>> {
-    state.pad_maps().of(result, PadMapWork::KEY).filter(|job| job.work.line == line)
+    state.pad_maps.of(result, PadMapWork::KEY).filter(|job| job.work.line == line)
 }
 
 fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
@@ -115,12 +115,12 @@ impl Task for PadMapWork {
         ["pads are being tried on this study", "wait for them, or cancel them"];
 
     fn jobs(state: &AppState) -> &Jobs<Self> {
-        state.pad_maps()
+        &state.pad_maps
     }
 
     async fn run(state: &AppState, job: &Arc<PadMapJob>) -> Answer<Option<Vec<PadEffect>>> {
         // The semaphore is never closed.
-        let _turn = state.pad_maps().turns.acquire().await;
+        let _turn = state.pad_maps.turns.acquire().await;
         let of = Arc::clone(job);
         computed(move || tried(&of)).await.and_then(|found| found)
     }
