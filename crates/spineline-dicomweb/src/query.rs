@@ -277,37 +277,50 @@ pub struct StatedUids<'a> {
     pub instance: Option<&'a str>,
 }
 
-/// A series, with the patient only for comparison.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A series of films in an archive, without the patient.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = ArchiveSeries)]
 pub struct SeriesFound {
-    /// Its UIDs.
-    pub uid: SeriesUid,
-    /// Study Date, as `YYYY-MM-DD`.
-    pub date: Option<String>,
+    /// Study Instance UID.
+    pub study: String,
+    /// Series Instance UID.
+    pub series: String,
+    /// Day of the study, as `YYYY-MM-DD`.
+    pub day: Option<String>,
     /// Modality, such as `DX`.
     pub modality: Option<String>,
-    /// Study Description and Series Description, unchanged; free text of the archive.
+    /// Description; free text of the archive.
     pub description: Option<String>,
-    /// Body Part Examined.
+    /// Part of the body.
     pub body_part: Option<String>,
     /// Number of its films.
     pub films: Option<u32>,
-    /// Patient of the series, from the archive or from the search.
+    /// Patient of the series, from the archive or from the search; only for comparison.
+    #[serde(skip)]
     pub patient: Option<PatientId>,
 }
 
-/// A film, without the patient.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FilmFound {
+impl SeriesFound {
     /// Its UIDs.
-    pub uid: FilmUid,
-    /// Instance Number.
+    #[must_use]
+    pub fn uid(&self) -> SeriesUid {
+        SeriesUid { study: self.study.clone(), series: self.series.clone() }
+    }
+}
+
+/// A film in an archive, without the patient.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[schema(as = ArchiveFilm)]
+pub struct FilmFound {
+    /// SOP Instance UID.
+    pub instance: String,
+    /// Its number in the series.
     pub number: Option<u32>,
-    /// Columns.
+    /// Pixels in a row.
     pub columns: Option<u32>,
     /// Rows.
     pub rows: Option<u32>,
-    /// View Position, such as `PA`.
+    /// View, such as `PA`.
     pub view: Option<String>,
 }
 
@@ -330,12 +343,14 @@ pub(crate) const OF_FILM: [&str; 4] =
 pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
     let of = Attributes(entry);
     let uid = SeriesUid::new(&of.uid(answer::STUDY_UID)?, &of.uid(answer::SERIES_UID)?);
+    let SeriesUid { study, series } = uid.map_err(|_| "a UID is invalid")?;
     let descriptions = [answer::STUDY_DESCRIPTION, answer::SERIES_DESCRIPTION];
     let mut texts: Vec<String> = descriptions.iter().filter_map(|tag| of.text(tag)).collect();
     texts.dedup();
     Ok(SeriesFound {
-        uid: uid.map_err(|_| "a UID is invalid")?,
-        date: of.text(answer::STUDY_DATE).and_then(|date| day(&date)),
+        study,
+        series,
+        day: of.text(answer::STUDY_DATE).and_then(|date| day(&date)),
         modality: of.text(answer::MODALITY),
         description: Some(texts.join(", ")).filter(|text| !text.is_empty()),
         body_part: of.text(answer::BODY_PART),
@@ -352,9 +367,10 @@ pub(crate) fn film(of_series: &SeriesUid, entry: &Value) -> Result<FilmFound, &'
     if asked.iter().any(|(tag, asked)| of.text(tag).is_some_and(|stated| stated != *asked)) {
         return Err("it has films of another series");
     }
-    let uid = FilmUid::new(of_series.clone(), &of.uid(answer::INSTANCE_UID)?);
+    let instance = of.uid(answer::INSTANCE_UID)?;
+    checked(&instance).map_err(|_| "a UID is invalid")?;
     Ok(FilmFound {
-        uid: uid.map_err(|_| "a UID is invalid")?,
+        instance,
         number: of.count(answer::INSTANCE_NUMBER),
         columns: of.count(answer::COLUMNS),
         rows: of.count(answer::ROWS),

@@ -90,7 +90,7 @@ impl Archives {
         }
         let patients = found.iter().filter_map(|one| Some((one, one.patient.as_ref()?)));
         kept.extend(patients.map(|(one, patient)| {
-            let key = (archive.name().to_owned(), one.uid.clone());
+            let key = (archive.name().to_owned(), one.uid());
             (key, PatientMarks::of_id(patient.value()))
         }));
     }

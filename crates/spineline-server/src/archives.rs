@@ -1,15 +1,15 @@
 //! Films from the image archives that the administrator allowed. An opened film becomes an upload.
 
 use axum::extract::State;
-use spineline_dicomweb::{Client, FilmFound, FilmUid, Search, SeriesFound, SeriesUid};
+use spineline_dicomweb::{Client, FilmUid, Search, SeriesUid};
 use spineline_films::FilmFile;
 use spineline_store::Role;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::api::{
-    ArchiveFilm, ArchiveFilmChoice, ArchiveFilmList, ArchiveSearch, ArchiveSeries,
-    ArchiveSeriesChoice, ArchiveSeriesList, Problem, UploadView,
+    ArchiveFilmChoice, ArchiveFilmList, ArchiveSearch, ArchiveSeriesChoice, ArchiveSeriesList,
+    Problem, UploadView,
 };
 use crate::extract::Json;
 use crate::films::stage;
@@ -53,8 +53,7 @@ async fn search(
     let found = archives.search(ask).await?;
     archives.keep_patients(&archive, &found.all);
     log(&state, &user, "search", asked.archive).await?;
-    let series = found.all.into_iter().map(series).collect();
-    Ok(Json(ArchiveSeriesList { series, has_more: found.has_more }))
+    Ok(Json(ArchiveSeriesList { series: found.all, has_more: found.has_more }))
 }
 
 /// The films of a series in an archive.
@@ -71,8 +70,7 @@ async fn films(
     let series = SeriesUid::new(&asked.study, &asked.series)?;
     let ask = move |client: &Client| client.films(&archive, &series);
     let found = archives.search(ask).await?;
-    let films = found.all.into_iter().map(film).collect();
-    Ok(Json(ArchiveFilmList { films, has_more: found.has_more }))
+    Ok(Json(ArchiveFilmList { films: found.all, has_more: found.has_more }))
 }
 
 /// Opens a film of an archive, if the answer is that film and belongs to the patient of the search. It becomes an
@@ -101,26 +99,4 @@ async fn open(
 async fn log(state: &AppState, user: &User, what: &'static str, archive: String) -> Answer<()> {
     let by = user.sign(state.now());
     state.store(move |store| store.log_archive(what, &archive, &by)).await
-}
-
-fn series(found: SeriesFound) -> ArchiveSeries {
-    ArchiveSeries {
-        study: found.uid.study().to_owned(),
-        series: found.uid.series().to_owned(),
-        day: found.date,
-        modality: found.modality,
-        description: found.description,
-        body_part: found.body_part,
-        films: found.films,
-    }
-}
-
-fn film(found: FilmFound) -> ArchiveFilm {
-    ArchiveFilm {
-        instance: found.uid.instance().to_owned(),
-        number: found.number,
-        columns: found.columns,
-        rows: found.rows,
-        view: found.view,
-    }
 }

@@ -1,6 +1,6 @@
 //! The same with Orthanc, if it is installed.
 
-use spineline_dicomweb::{Archive, Client, Search, SearchKey};
+use spineline_dicomweb::{Archive, Client, FilmUid, Search, SearchKey};
 
 use crate::answers::LIMITS;
 use crate::orthanc_program::Orthanc;
@@ -21,10 +21,11 @@ fn a_film_is_found_and_retrieved_from_orthanc() {
     assert_eq!(series.modality.as_deref(), Some("DX"));
     let other = Search::new(SearchKey::PatientId, "P-0").expect("a search");
     assert_eq!(client.search(&archive, &other).expect("an answer").all, []);
-    let films = client.films(&archive, &series.uid).expect("films");
+    let films = client.films(&archive, &series.uid()).expect("films");
     let [film] = &films.all[..] else { panic!("{films:?}") };
     assert_eq!((film.columns, film.rows), (Some(2), Some(1)));
-    let bytes = client.retrieve(&archive, &film.uid).expect("a film");
+    let uid = FilmUid::new(series.uid(), &film.instance).expect("a UID");
+    let bytes = client.retrieve(&archive, &uid).expect("a film");
     assert_eq!(bytes, sent);
 }
 

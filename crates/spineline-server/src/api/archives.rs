@@ -1,7 +1,7 @@
 //! Films from image archives.
 
 use serde::{Deserialize, Serialize};
-use spineline_dicomweb::SearchKey;
+use spineline_dicomweb::{FilmFound, SearchKey, SeriesFound};
 use utoipa::ToSchema;
 
 /// A search in an archive.
@@ -19,31 +19,12 @@ pub struct ArchiveSearch {
 }
 
 /// Series that were found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct ArchiveSeriesList {
     /// At most a hundred.
-    pub series: Vec<ArchiveSeries>,
+    pub series: Vec<SeriesFound>,
     /// Whether the archive has more than these.
     pub has_more: bool,
-}
-
-/// A series of films in an archive, without the patient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct ArchiveSeries {
-    /// Study Instance UID.
-    pub study: String,
-    /// Series Instance UID.
-    pub series: String,
-    /// Day of the study, as `YYYY-MM-DD`.
-    pub day: Option<String>,
-    /// Modality, such as `DX`.
-    pub modality: Option<String>,
-    /// Description; free text of the archive.
-    pub description: Option<String>,
-    /// Part of the body.
-    pub body_part: Option<String>,
-    /// Number of its films.
-    pub films: Option<u32>,
 }
 
 /// A series of an archive whose films are requested.
@@ -59,27 +40,12 @@ pub struct ArchiveSeriesChoice {
 }
 
 /// Films of a series.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct ArchiveFilmList {
     /// At most a hundred.
-    pub films: Vec<ArchiveFilm>,
+    pub films: Vec<FilmFound>,
     /// Whether the archive has more than these.
     pub has_more: bool,
-}
-
-/// A film in an archive, without the patient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct ArchiveFilm {
-    /// SOP Instance UID.
-    pub instance: String,
-    /// Its number in the series.
-    pub number: Option<u32>,
-    /// Pixels in a row.
-    pub columns: Option<u32>,
-    /// Rows.
-    pub rows: Option<u32>,
-    /// View, such as `PA`.
-    pub view: Option<String>,
 }
 
 /// A film of an archive to be opened.
