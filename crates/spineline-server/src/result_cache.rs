@@ -46,7 +46,7 @@ pub struct StudyResult {
 impl StudyResult {
     /// Analyses a case with the options of its study.
     pub fn of(study: &Name, current: CurrentCase) -> Self {
-        let has_erect = current.film(Posture::Erect).is_some_and(CurrentFilm::is_usable);
+        let has_erect = current.films.get(&Posture::Erect).is_some_and(CurrentFilm::is_usable);
         let outcome = if has_erect { analysed(&current) } else { Outcome::Waiting };
         Self { study: study.clone(), current, outcome }
     }

@@ -79,7 +79,7 @@ pub fn marked_text(missing: &[Level]) -> String {
 
 /// Progress of the erect film, which all results need.
 pub fn progress(current: &CurrentCase) -> String {
-    match current.film(Posture::Erect) {
+    match current.films.get(&Posture::Erect) {
         None => "the erect film is missing".to_owned(),
         Some(film) if film.readings == 0 => "no finished reading of the erect film".to_owned(),
         Some(film) => format!("the erect film has {}", marked_text(&film.missing())),

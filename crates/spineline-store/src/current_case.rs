@@ -1,6 +1,6 @@
 //! The current case of a study, from which results are computed.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rusqlite::Connection;
 use spineline::analysis::Case;
@@ -14,7 +14,7 @@ use crate::error::StoreError;
 use crate::event::Event;
 use crate::films::{self, FilmRecord};
 use crate::journal;
-use crate::names::{Name, ReadingId};
+use crate::names::{FilmId, Name, ReadingId};
 use crate::options;
 use crate::readings::{self, ReadingRecord};
 use crate::state::{ReadingState, VertebraReading};
@@ -34,11 +34,9 @@ pub enum CaseReadings<'a> {
     },
 }
 
-/// A frontal film of the current case.
+/// A film of the current case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurrentFilm {
-    /// The posture that it shows.
-    pub posture: Posture,
     /// The film.
     pub record: FilmRecord,
     /// Number of readings that are used for it.
@@ -54,31 +52,20 @@ impl CurrentFilm {
         Level::MODEL.into_iter().filter(|level| !self.marked.contains(level)).collect()
     }
 
-    /// Whether the film takes part in the analysis: its vertebrae with landmarks are enough.
+    /// Whether a frontal film takes part in the analysis: its vertebrae with landmarks are enough.
     #[must_use]
     pub fn is_usable(&self) -> bool {
         shows_enough(&self.marked)
     }
 }
 
-/// The lateral film of the current case. Whatever vertebrae it shows take part in the analysis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CurrentLateral {
-    /// The film.
-    pub record: FilmRecord,
-    /// Number of readings that are used for it.
-    pub readings: usize,
-    /// Vertebrae of the model with four corners in one of them.
-    pub marked: BTreeSet<Level>,
-}
-
 /// The current case of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurrentCase {
-    /// Its frontal films, the erect one first.
-    pub films: Vec<CurrentFilm>,
-    /// Its lateral film.
-    pub lateral: Option<CurrentLateral>,
+    /// Its frontal films.
+    pub films: BTreeMap<Posture, CurrentFilm>,
+    /// Its lateral film. Whatever vertebrae it shows take part in the analysis.
+    pub lateral: Option<CurrentFilm>,
     /// Landmarks on the films with readings, of any vertebra.
     pub case: Case,
     /// The open reading of a frontal film with all finished readings of this film, to compare it with them.
@@ -97,10 +84,10 @@ pub struct ComparedReading {
 }
 
 impl CurrentCase {
-    /// State of one frontal film.
+    /// One of its films, frontal or lateral.
     #[must_use]
-    pub fn film(&self, posture: Posture) -> Option<&CurrentFilm> {
-        self.films.iter().find(|film| film.posture == posture)
+    pub fn film(&self, film: FilmId) -> Option<&CurrentFilm> {
+        self.films.values().chain(self.lateral.as_ref()).find(|one| one.record.id == film)
     }
 
     /// Landmarks on one frontal film.
@@ -112,7 +99,8 @@ impl CurrentCase {
     /// The case of the films that take part in the analysis.
     #[must_use]
     pub fn usable_case(&self) -> Case {
-        let usable = |film: &&Film| self.film(film.posture).is_some_and(CurrentFilm::is_usable);
+        let usable =
+            |film: &&Film| self.films.get(&film.posture).is_some_and(CurrentFilm::is_usable);
         let films = self.case.films.iter().filter(usable).cloned().collect();
         Case { films, ..self.case.clone() }
     }
@@ -131,7 +119,7 @@ impl Store {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
         let readings = readings::of_study(&snapshot, study)?;
-        let (mut films, mut lateral) = (Vec::new(), None);
+        let (mut films, mut lateral) = (BTreeMap::new(), None);
         let (mut landmarks, mut compared) = (Vec::new(), None);
         for film in assembly::by_view(&snapshot, study)?.into_values() {
             let of_film: Vec<&ReadingRecord> =
@@ -156,12 +144,11 @@ impl Store {
             if !marked.is_empty() {
                 landmarks.push(assembly::film(&film, &chosen)?);
             }
-            let (record, readings) = (film, chosen.len());
-            match record.view {
-                FilmView::Frontal(posture) => {
-                    films.push(CurrentFilm { posture, record, readings, marked });
-                }
-                FilmView::Lateral => lateral = Some(CurrentLateral { record, readings, marked }),
+            let (view, readings) = (film.view, chosen.len());
+            let current = CurrentFilm { record: film, readings, marked };
+            match view {
+                FilmView::Frontal(posture) => drop(films.insert(posture, current)),
+                FilmView::Lateral => lateral = Some(current),
             }
         }
         let case = assembly::case(study, synthetic, landmarks);

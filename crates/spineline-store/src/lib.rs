@@ -83,7 +83,7 @@ pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use computations::KeptComputation;
 pub use conflicts::{Acknowledged, LostChange};
 pub use connection::Store;
-pub use current_case::{CaseReadings, ComparedReading, CurrentCase, CurrentFilm, CurrentLateral};
+pub use current_case::{CaseReadings, ComparedReading, CurrentCase, CurrentFilm};
 pub use error::StoreError;
 pub use event::{AcceptedVertebra, Corner, CornerName, Event};
 pub use export::{ExportRemark, ExportedCase};

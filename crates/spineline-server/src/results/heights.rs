@@ -24,14 +24,9 @@ pub async fn heights(
     Path((study, film)): Path<(String, i64)>,
 ) -> Answer<Json<Vec<HeightView>>> {
     let result = open_result(&state, &user, &study).await?;
-    let view = view_of(&result.current, FilmId(film)).ok_or_else(Failure::not_found)?;
+    let film = result.current.film(FilmId(film)).ok_or_else(Failure::not_found)?;
+    let view = film.record.view;
     computed(move || Json(on_film(&result.current, view))).await
-}
-
-fn view_of(current: &CurrentCase, film: FilmId) -> Option<FilmView> {
-    let frontal = current.films.iter().map(|film| &film.record);
-    let mut records = frontal.chain(current.lateral.as_ref().map(|film| &film.record));
-    records.find(|record| record.id == film).map(|record| record.view)
 }
 
 /// The heights on a film of this view; empty if a film cannot be measured, which its notices report.

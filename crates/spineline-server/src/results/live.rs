@@ -7,7 +7,7 @@ use spineline::error::Error;
 use spineline::measure::{check_landmarks, judge_reading};
 use spineline::warning::Warnings;
 use spineline_store::{
-    CaseReadings, CurrentCase, CurrentFilm, CurrentLateral, Event, FilmId, Name, ReadingId, Store,
+    CaseReadings, CurrentCase, CurrentFilm, Event, FilmId, Name, ReadingId, Store,
 };
 
 use super::{findings, heights, notices, overlay};
@@ -61,46 +61,31 @@ pub async fn followed(hand: Option<InHand>) -> Answer<Option<LiveView>> {
     computed(move || of_film(&StudyResult::of(&study, current), film)).await.map(Some)
 }
 
-/// Results for one film of a study.
+/// Results for one film of a study. The lateral film has no fitted curve to draw.
 fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
-    if let Some(lateral) = &result.current.lateral
-        && lateral.record.id == film
-    {
-        return of_lateral(result, lateral);
-    }
-    let hand = result.current.films.iter().find(|current| current.record.id == film);
-    let posture = hand.map_or(Posture::Erect, |hand| hand.posture);
+    let hand = result.current.film(film);
+    let view = hand.map_or(FilmView::Frontal(Posture::Erect), |hand| hand.record.view);
     let missing = hand.map(CurrentFilm::missing).unwrap_or_default();
-    let fault = fault_of(result, posture);
-    let (status, status_text) = status(result, &missing, fault.as_ref());
-    let study = result.analysis().map(findings::of_study);
-    let is_drawn = hand.is_some_and(CurrentFilm::is_usable) && fault.is_none();
-    let overlay = is_drawn.then(|| overlay::of_film(result, posture)).flatten();
-    let view = FilmView::Frontal(posture);
-    let heights = heights::on_film(&result.current, view);
-    let notices = film_notices(result, view, fault.as_ref());
-    let options_text = result.options_text();
-    LiveView { status, status_text, overlay, heights, study, options_text, notices }
-}
-
-/// Results for the lateral film, which has no fitted curve.
-fn of_lateral(result: &StudyResult, film: &CurrentLateral) -> LiveView {
-    let missing: Vec<Level> =
-        Level::MODEL.into_iter().filter(|level| !film.marked.contains(level)).collect();
-    let measured = result.current.case.lateral.as_ref();
-    let fault = measured
-        .and_then(|lateral| lateral.measure(&mut Warnings::default()).err())
-        .map(Error::from);
+    let fault = match view {
+        FilmView::Frontal(posture) => fault_of(result, posture),
+        FilmView::Lateral => lateral_fault(result),
+    };
     let (status, status_text) = status(result, &missing, fault.as_ref());
     LiveView {
         status,
         status_text,
-        overlay: None,
-        heights: heights::on_film(&result.current, FilmView::Lateral),
+        overlay: hand.filter(|_| fault.is_none()).and_then(|hand| drawn(result, hand)),
+        heights: heights::on_film(&result.current, view),
         study: result.analysis().map(findings::of_study),
         options_text: result.options_text(),
-        notices: film_notices(result, FilmView::Lateral, fault.as_ref()),
+        notices: film_notices(result, view, fault.as_ref()),
     }
+}
+
+/// Why the lateral film cannot be measured.
+fn lateral_fault(result: &StudyResult) -> Option<Error> {
+    let film = result.current.case.lateral.as_ref()?;
+    film.measure(&mut Warnings::default()).err().map(Error::from)
 }
 
 /// Why the film of the reading cannot be measured, or repeats another film.
@@ -154,6 +139,11 @@ fn film_notices(result: &StudyResult, view: FilmView, fault: Option<&Error>) -> 
 
 /// An overlay of a film from the finished readings of its study.
 pub fn overlay_of(result: &StudyResult, film: FilmId) -> Option<FilmOverlay> {
-    let film = result.current.films.iter().find(|current| current.record.id == film)?;
-    film.is_usable().then(|| overlay::of_film(result, film.posture)).flatten()
+    drawn(result, result.current.film(film)?)
+}
+
+/// The overlay of a frontal film that takes part in the analysis.
+fn drawn(result: &StudyResult, film: &CurrentFilm) -> Option<FilmOverlay> {
+    let posture = film.record.view.posture()?;
+    film.is_usable().then(|| overlay::of_film(result, posture)).flatten()
 }

@@ -94,9 +94,8 @@ pub fn synthetic(is_synthetic: bool) -> Option<Notice> {
 
 /// Excluded films.
 fn left_out(current: &CurrentCase) -> Vec<Notice> {
-    let notices = current.films.iter().filter_map(|film| {
+    let notices = current.films.iter().filter_map(|(&posture, film)| {
         let missing = film.missing();
-        let posture = film.posture;
         let text = match film.readings {
             _ if film.is_usable() => return None,
             0 => format!("the {posture} film is left out: it has no finished reading"),
@@ -109,7 +108,7 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
         notice.posture = Some(Wire(posture));
         Some(notice)
     });
-    let no_erect = current.film(Posture::Erect).is_none().then(|| {
+    let no_erect = (!current.films.contains_key(&Posture::Erect)).then(|| {
         notice(
             Severity::Warning,
             "no_erect_film",

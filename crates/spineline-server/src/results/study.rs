@@ -32,7 +32,7 @@ fn view(result: &StudyResult) -> LiveView {
         Outcome::Waiting => (LiveStatus::Partial, progress(&result.current)),
         Outcome::Refused { text, .. } => (LiveStatus::Refused, text.clone()),
         Outcome::Analysed(_) => {
-            let erect = result.current.film(Posture::Erect);
+            let erect = result.current.films.get(&Posture::Erect);
             let missing = erect.map(spineline_store::CurrentFilm::missing).unwrap_or_default();
             (LiveStatus::Complete, format!("{} on the erect film", marked_text(&missing)))
         }

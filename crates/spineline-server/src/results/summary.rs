@@ -72,7 +72,7 @@ pub fn of_result(result: &StudyResult) -> ResultSummary {
 fn status(result: &StudyResult) -> (StudyStatus, String) {
     match &result.outcome {
         Outcome::Refused { text, .. } => (StudyStatus::Refused, text.clone()),
-        Outcome::Waiting if result.current.films.iter().all(|film| film.readings == 0) => {
+        Outcome::Waiting if result.current.films.values().all(|film| film.readings == 0) => {
             (StudyStatus::ToMark, "no finished reading".to_owned())
         }
         Outcome::Waiting => (StudyStatus::Marking, progress(&result.current)),

@@ -252,12 +252,13 @@ fn an_incomplete_film_is_used_once_it_shows_enough() {
         seen.zip(0..).flat_map(|(level, i)| clicks(level, f64::from(i))).collect();
     let reading = read(&mut store, 1, 1, "A", &events, false);
     let in_hand = CaseReadings::InHand { reading, pending: &[] };
-    let film = store.current_case(&id, in_hand).expect("a case").films.remove(0);
+    let mut current = store.current_case(&id, in_hand).expect("a case");
+    let film = current.films.remove(&posture).expect("the film");
     assert_eq!(film.missing(), [Level::T8, Level::T3, Level::T2]);
     assert!(film.is_usable(), "live results begin before the end of the reading");
     let revision = u64::try_from(events.len()).expect("few events");
     store.finish_reading(reading, revision, &by("A", 1)).expect("finished");
     let current = store.current_case(&id, CaseReadings::Finished).expect("a case");
-    assert!(current.films[0].is_usable());
+    assert!(current.films[&posture].is_usable());
     assert_eq!(current.usable_case().films.len(), 1);
 }

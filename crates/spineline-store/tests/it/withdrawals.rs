@@ -68,7 +68,7 @@ fn a_withdrawn_reading_stays_in_the_store_and_counts_nowhere() {
     let remarks = store.export_case(&name(STUDY)).expect("a case").remarks;
     assert!(matches!(remarks[0], ExportRemark::Withdrawn { reading: READING, .. }), "{remarks:?}");
     let current = store.current_case(&name(STUDY), CaseReadings::Finished).expect("a case");
-    assert_eq!((current.films[0].readings, current.case.films.len()), (0, 0));
+    assert_eq!((current.films[&Posture::Erect].readings, current.case.films.len()), (0, 0));
     let last = actions(&store).pop().expect("an entry");
     assert_eq!(last, ("lead".into(), "withdraw".into(), "withdrawal/1".into()));
 

@@ -22,11 +22,13 @@ pub async fn sources(
     result: &StudyResult,
 ) -> Answer<BTreeMap<Posture, SourceImage>> {
     let mut sources = BTreeMap::new();
-    for film in result.current.films.iter().filter(|film| film.is_usable()) {
-        let (content, posture) = (film.record.content.clone(), film.posture);
-        let bytes = state.store(move |store| store.content(&content)).await?;
-        let name = format!("{posture} film");
-        sources.insert(posture, parse_source(&bytes, &name).map_err(|error| refused(&error))?);
+    for (&posture, film) in &result.current.films {
+        if film.is_usable() {
+            let content = film.record.content.clone();
+            let bytes = state.store(move |store| store.content(&content)).await?;
+            let name = format!("{posture} film");
+            sources.insert(posture, parse_source(&bytes, &name).map_err(|error| refused(&error))?);
+        }
     }
     Ok(sources)
 }

@@ -20,9 +20,10 @@ use crate::state::AppState;
 /// The pictures of the films whose landmarks are used.
 pub async fn pictures(state: &AppState, result: &StudyResult) -> Answer<Vec<FilmPicture>> {
     let mut pictures = Vec::new();
-    for film in result.current.films.iter().filter(|film| film.is_usable()) {
-        let png = picture(state, &film.record).await?;
-        pictures.push(FilmPicture { posture: film.posture, png });
+    for (&posture, film) in &result.current.films {
+        if film.is_usable() {
+            pictures.push(FilmPicture { posture, png: picture(state, &film.record).await? });
+        }
     }
     Ok(pictures)
 }
