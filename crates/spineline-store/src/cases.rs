@@ -1,7 +1,5 @@
 //! Import of a case file with its films as a study, completely or not at all.
 
-use std::fmt;
-
 use serde_json::Value;
 use spineline::analysis::{Subject, check_repeated};
 use spineline::anatomy::{FilmView, Level, Posture, Side};
@@ -65,51 +63,39 @@ pub enum CaseRemark {
 }
 
 /// Why a case cannot be imported. `E` is the error of reading a film's file.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CaseError<E> {
     /// The text is not a case file.
+    #[error("{0}")]
     File(FileError),
     /// The case or an observer has a name that a store does not take.
+    #[error("{0}")]
     Name(StoreError),
     /// Two postures have the landmarks of one film.
+    #[error("{0}")]
     Repeated(spineline::error::Error),
     /// A film has locations from another program.
+    #[error("{posture} film: it has locations from another program, but no picture")]
     NoPicture {
         /// Film.
         posture: Posture,
     },
     /// The case does not name a film's picture file.
+    #[error("{posture} film: no picture is named")]
     NotNamed {
         /// Film.
         posture: Posture,
     },
     /// A picture differs from the one of the case.
+    #[error("{view} film: the picture differs from the one of the case (SHA-256 differs)")]
     OtherPicture {
         /// Film.
         view: FilmView,
     },
     /// A picture cannot be read.
+    #[error("{0}")]
     Picture(E),
-}
-
-impl<E: fmt::Display> fmt::Display for CaseError<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(error) => error.fmt(f),
-            Self::Name(error) => error.fmt(f),
-            Self::Repeated(error) => error.fmt(f),
-            Self::NoPicture { posture } => {
-                write!(f, "{posture} film: it has locations from another program, but no picture")
-            }
-            Self::NotNamed { posture } => write!(f, "{posture} film: no picture is named"),
-            Self::OtherPicture { view } => write!(
-                f,
-                "{view} film: the picture differs from the one of the case (SHA-256 differs)"
-            ),
-            Self::Picture(error) => error.fmt(f),
-        }
-    }
 }
 
 impl<E> CaseError<E> {
