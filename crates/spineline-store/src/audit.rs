@@ -10,7 +10,6 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OptionalExtension, Params, Row, Statement, Transaction, params};
 use serde::Serialize;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 use spineline_files::is_sha256;
 
 use crate::error::StoreError;
@@ -98,8 +97,7 @@ impl AuditEntry {
 
     pub(crate) fn hash(&self, previous: &str) -> Hash {
         let json = serde_json::to_string(self).expect("strings and integers only");
-        let hasher = Sha256::new_with_prefix(previous).chain_update(json);
-        Hash::from_hasher(hasher)
+        Hash::of(format!("{previous}{json}").as_bytes())
     }
 }
 
@@ -133,21 +131,12 @@ pub(crate) fn last_digest(
     connection: &Connection,
     object: &str,
 ) -> Result<Option<String>, StoreError> {
-    Ok(Seals::of(connection)?.0.query_row([object], |row| row.get(0)).optional()?)
+    sealed(&mut connection.prepare(LAST_DIGEST)?, object)
 }
 
-/// Statement for the last entry on an object.
-struct Seals<'a>(Statement<'a>);
-
-impl<'a> Seals<'a> {
-    fn of(connection: &'a Connection) -> Result<Self, StoreError> {
-        Ok(Self(connection.prepare(LAST_DIGEST)?))
-    }
-
-    fn holds(&mut self, object: &str, digest: &Hash) -> Result<bool, StoreError> {
-        let sealed: Option<String> = self.0.query_row([object], |row| row.get(0)).optional()?;
-        Ok(sealed.as_deref() == Some(digest.as_str()))
-    }
+/// The digest in the last entry on an object, by the statement [`LAST_DIGEST`].
+fn sealed(statement: &mut Statement<'_>, object: &str) -> Result<Option<String>, StoreError> {
+    Ok(statement.query_row([object], |row| row.get(0)).optional()?)
 }
 
 /// The end of the log, and the time of its last entry.
@@ -183,9 +172,8 @@ impl Ledger<'_> {
     /// Records a step that does not change its object. The entry repeats the digest of the last one, so it does not approve
     /// a row that was changed without the log.
     pub fn mention(&self, action: &str, object: &str) -> Result<(), StoreError> {
-        let sealed =
-            self.transaction.query_row(LAST_DIGEST, [object], |row| row.get::<_, String>(0));
-        self.append(action, object, &sealed.optional()?.unwrap_or_default()).map(drop)
+        let sealed = last_digest(self.transaction, object)?;
+        self.append(action, object, &sealed.unwrap_or_default()).map(drop)
     }
 
     /// Records the current state of a row; returns the entry's sequence number.
@@ -247,13 +235,14 @@ pub(crate) fn load<T>(
 ) -> Result<Vec<T>, StoreError> {
     let &(_, word, column) = table_named(table);
     let query = format!("SELECT {column}, * FROM {table} {condition}");
-    let mut seals = Seals::of(connection)?;
+    let mut last = connection.prepare(LAST_DIGEST)?;
     let mut statement = connection.prepare(&query)?;
     let mut rows = statement.query(parameters)?;
     let mut loaded = Vec::new();
     while let Some(row) = rows.next()? {
         let object = object_of(word, row)?;
-        if !seals.holds(&object, &digest(row)?)? {
+        let digest = digest(row)?;
+        if sealed(&mut last, &object)?.as_deref() != Some(digest.as_str()) {
             return Err(StoreError::damaged(object));
         }
         loaded.push(read(row)?);

@@ -5,8 +5,8 @@ use std::time::SystemTime;
 
 use chrono::{DateTime, Days, NaiveTime, SecondsFormat, SubsecRound, Utc};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use spineline::measure::is_observer_code;
+use spineline_files::sha256_hex;
 
 /// The identifier of a study or of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`, without any patient's name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -120,11 +120,7 @@ impl Hash {
     /// The hash of bytes.
     #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
-        Self::from_hasher(Sha256::new_with_prefix(bytes))
-    }
-
-    pub(crate) fn from_hasher(hasher: Sha256) -> Self {
-        Self(hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+        Self(sha256_hex(bytes))
     }
 
     /// The 64 digits.
