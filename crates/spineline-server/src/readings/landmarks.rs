@@ -2,31 +2,22 @@
 
 use std::collections::BTreeMap;
 
-use spineline::anatomy::{FilmView, Level, Side};
+use spineline::anatomy::{FilmView, Side};
 use spineline::spatial::{Angle, Pixel};
 use spineline_marking::{PartialLandmarks, PartialReading};
-use spineline_store::ReadingState;
+use spineline_store::{ReadingState, VertebraReading};
 
 /// On the lateral film the front is in place of the left.
 pub fn landmarks(state: &ReadingState, view: FilmView) -> PartialReading {
-    let vertebrae: BTreeMap<Level, PartialLandmarks> = state
-        .vertebrae
-        .iter()
-        .map(|(&level, landmarks)| {
-            let place = |&[column, row]: &[f64; 2]| Pixel::new(column, row);
-            (
-                level,
-                PartialLandmarks {
-                    corners: landmarks.placed(view).map(|corner| corner.as_ref().map(place)),
-                    origins: landmarks.corner_origins(view),
-                    walls: [Side::Left, Side::Right]
-                        .map(|side| landmarks.walls.get(&side).map(place)),
-                    axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
-                },
-            )
-        })
-        .collect();
-    let crests = [Side::Left, Side::Right]
-        .map(|side| state.iliac_crests_px.get(&side).map(|&[column, row]| Pixel::new(column, row)));
-    PartialReading { vertebrae, crests }
+    let place = |&[column, row]: &[f64; 2]| Pixel::new(column, row);
+    let sides =
+        |places: &BTreeMap<Side, [f64; 2]>| Side::ALL.map(|side| places.get(&side).map(place));
+    let vertebra = |landmarks: &VertebraReading| PartialLandmarks {
+        corners: landmarks.placed(view).map(|corner| corner.as_ref().map(place)),
+        origins: landmarks.corner_origins(view),
+        walls: sides(&landmarks.walls),
+        axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
+    };
+    let vertebrae = state.vertebrae.iter().map(|(&level, one)| (level, vertebra(one))).collect();
+    PartialReading { vertebrae, crests: sides(&state.iliac_crests_px) }
 }

@@ -29,7 +29,6 @@ pub async fn model(
     Path(study): Path<String>,
 ) -> Answer<Json<ModelView>> {
     let result = open_result(&state, &user, &study).await?;
-    result.analysed()?;
     computed(move || result.analysed().map(|analysis| view(&result, analysis))).await?.map(Json)
 }
 

@@ -1,6 +1,7 @@
 //! Parts of the report as the browser shows them: the same texts, tables and pictures.
 
 use axum::extract::State;
+use spineline::analysis::Analysis;
 use spineline_report::document::Section;
 use spineline_report::patient::parts;
 
@@ -8,7 +9,7 @@ use crate::access::open_result;
 use crate::api::Problem;
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
-use crate::result_cache::{StudyResult, computed};
+use crate::result_cache::computed;
 use crate::state::AppState;
 use crate::user::User;
 
@@ -20,11 +21,7 @@ pub async fn lines(
     user: User,
     Path(study): Path<String>,
 ) -> Answer<Json<Vec<Section>>> {
-    of_analysis(&state, &user, &study, |result| {
-        let analysis = result.analysed()?;
-        Ok(parts::lines(analysis))
-    })
-    .await
+    of_analysis(&state, &user, &study, parts::lines).await
 }
 
 /// The erect and the lateral film together, with every number in 2-D and 3-D, and axial rotations from pedicles; empty without both.
@@ -35,7 +32,7 @@ pub async fn space(
     user: User,
     Path(study): Path<String>,
 ) -> Answer<Json<Vec<Section>>> {
-    of_analysis(&state, &user, &study, |result| Ok(parts::space(result.analysed()?))).await
+    of_analysis(&state, &user, &study, parts::space).await
 }
 
 /// Parts of the report of a study that has an analysis.
@@ -43,9 +40,8 @@ async fn of_analysis(
     state: &AppState,
     user: &User,
     study: &str,
-    parts: fn(&StudyResult) -> Answer<Vec<Section>>,
+    parts: fn(&Analysis) -> Vec<Section>,
 ) -> Answer<Json<Vec<Section>>> {
     let result = open_result(state, user, study).await?;
-    result.analysed()?;
-    computed(move || parts(&result)).await?.map(Json)
+    computed(move || result.analysed().map(parts)).await?.map(Json)
 }

@@ -1,6 +1,5 @@
 //! The map of pads as the browser shows it.
 
-use spineline::anatomy::Side;
 use spineline::multibody::Timing;
 use spineline::number::{fixed, signed};
 use spineline::response::{CurveChange, PadEffect, PadTrial};
@@ -9,6 +8,7 @@ use spineline_files::AppliedLoad;
 
 use crate::api::{FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire};
 use crate::jobs::{PadMapJob, PadMapWork, Progress};
+use crate::words::patients;
 
 /// Equal steps of the force up to the largest one.
 pub const STEPS: u32 = 4;
@@ -125,14 +125,8 @@ impl Map<'_> {
 
     fn cell(&self, level: &str, effect: &PadEffect) -> PadMapCell {
         let trial = effect.trial;
-        let pad = format!(
-            "{} to the patient's {} on {level}",
-            force_text(trial.force_n),
-            match trial.towards {
-                Side::Left => "left",
-                Side::Right => "right",
-            }
-        );
+        let pad =
+            format!("{} to {} on {level}", force_text(trial.force_n), patients(trial.towards));
         let Some(reached) = effect.reached else {
             return PadMapCell {
                 text: effect.ending.key().replace('_', " "),
