@@ -395,7 +395,7 @@ fn insert_films(ledger: &Ledger<'_>, case: &NewCase) -> Result<AddedCase, StoreE
             image: &film.image,
             inverted: film.image["inverted"] == true,
         };
-        let added = films::add_film(ledger, &study, &new)?.film;
+        let added = films::add_film(ledger, &study, &new)?;
         for reading in &film.readings {
             add_reading(ledger, added, reading)?;
             readings += 1;

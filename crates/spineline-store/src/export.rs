@@ -139,7 +139,7 @@ impl Store {
 
 fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
     let mut remarks = Vec::new();
-    if state.scale.is_some() {
+    if state.scale_mm.is_some() {
         remarks.push(ExportRemark::ScaleLeftOut { reading });
     }
     if state.iliac_crests_px.len() == 1 {

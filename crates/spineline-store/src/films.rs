@@ -80,17 +80,6 @@ impl FilmRecord {
     }
 }
 
-/// Result of adding a film.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AddedFilm {
-    /// The new film.
-    pub film: FilmId,
-    /// Hash of its bytes.
-    pub content: Hash,
-    /// False where a film of another study has the same bytes, which are stored once.
-    pub bytes_are_new: bool,
-}
-
 impl Store {
     /// Adds a new study.
     ///
@@ -124,7 +113,7 @@ impl Store {
         study_rows(&self.connection, None)
     }
 
-    /// Adds a film to a study without a reading plan.
+    /// Adds a film to a study without a reading plan. Bytes that a film of another study has too are stored once.
     ///
     /// # Errors
     /// [`StoreError::AlreadyKnown`] where a film of this study has the same bytes, in any view; [`StoreError::ViewTwice`] for a second
@@ -137,7 +126,7 @@ impl Store {
         bytes: &[u8],
         image: &Value,
         by: &Signature,
-    ) -> Result<AddedFilm, StoreError> {
+    ) -> Result<FilmId, StoreError> {
         let view = view.into();
         let film = NewFilm { view, stated: Stated::default(), bytes, image, inverted: false };
         self.write(by, |ledger| add_film(ledger, study, &film))
@@ -197,7 +186,7 @@ pub(crate) fn add_film(
     ledger: &Ledger<'_>,
     study: &Name,
     new: &NewFilm<'_>,
-) -> Result<AddedFilm, StoreError> {
+) -> Result<FilmId, StoreError> {
     limit("the film (in bytes)", new.bytes.len(), MAX_FILM_BYTES)?;
     if !new.image.is_object() {
         return Err(StoreError::ImageNotAnObject);
@@ -218,14 +207,14 @@ pub(crate) fn add_film(
     if new.view == FilmView::Lateral && others.iter().any(|film| film.view == new.view) {
         return Err(StoreError::ViewTwice { study: study.clone(), view: new.view });
     }
-    let bytes_are_new = keep(ledger, &content, new.bytes)?;
+    keep(ledger, &content, new.bytes)?;
     let film = next_id(transaction, "films", "id")?;
     transaction.execute(
         "INSERT INTO films VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0)",
         params![film, study.as_str(), new.view.key(), content.as_str(), image, new.inverted],
     )?;
     ledger.seal("add", "films", &film)?;
-    Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })
+    Ok(FilmId(film))
 }
 
 /// The description of an image as stored, with what a person states about the film.
@@ -242,15 +231,14 @@ pub(crate) fn described(image: &Value, stated: Stated) -> String {
 const SIMULTANEOUS: &str = "simultaneous";
 const CHECKED: &str = "checked";
 
-/// Stores bytes unless they exist; returns whether they were new.
-fn keep(ledger: &Ledger<'_>, content: &Hash, bytes: &[u8]) -> Result<bool, StoreError> {
+/// Stores bytes unless they exist.
+fn keep(ledger: &Ledger<'_>, content: &Hash, bytes: &[u8]) -> Result<(), StoreError> {
     let hash = content.as_str();
     if ledger.transaction.prepare("SELECT 1 FROM contents WHERE hash = ?1")?.exists([hash])? {
-        return Ok(false);
+        return Ok(());
     }
     ledger.transaction.execute("INSERT INTO contents VALUES (?1, ?2)", params![hash, bytes])?;
-    ledger.seal("add", "contents", &hash)?;
-    Ok(true)
+    ledger.seal("add", "contents", &hash).map(drop)
 }
 
 /// Whether the readings of a study are planned.

@@ -45,17 +45,6 @@ impl VertebraReading {
     }
 }
 
-/// A known length on the film.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
-    /// One end, `[column, row]`.
-    pub from_px: [f64; 2],
-    /// The other end.
-    pub to_px: [f64; 2],
-    /// The length between them.
-    pub length_mm: f64,
-}
-
 /// A reading after all its events.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadingState {
@@ -65,8 +54,8 @@ pub struct ReadingState {
     pub vertebrae: BTreeMap<Level, VertebraReading>,
     /// Superior tips of the iliac crests by the patient's side, `[column, row]`.
     pub iliac_crests_px: BTreeMap<Side, [f64; 2]>,
-    /// The scale tool, where it was used.
-    pub scale: Option<Scale>,
+    /// The length of the scale tool's line, where it was used.
+    pub scale_mm: Option<f64>,
     /// Inversion of grey levels in this reading, if other than in the film's record.
     pub inverted: Option<bool>,
     /// Notes, oldest first; undo does not touch them.
@@ -157,9 +146,7 @@ impl ReadingState {
             Event::PlaceIliacCrest { side, column_px, row_px } => {
                 self.iliac_crests_px.insert(side, [column_px, row_px]);
             }
-            Event::Scale { from_px, to_px, length_mm } => {
-                self.scale = Some(Scale { from_px, to_px, length_mm });
-            }
+            Event::Scale { length_mm, .. } => self.scale_mm = Some(length_mm),
             Event::Invert { inverted } => self.inverted = Some(inverted),
             // These have been handled above.
             Event::Undo | Event::Redo | Event::Note { .. } => {}

@@ -72,7 +72,7 @@ impl App {
                     .add_film(&record.id, Posture::Erect, study.as_bytes(), &json!({}), &by("lead"))
                     .expect("a film");
                 if study == "S-2" {
-                    store.begin_reading(film.film, 1, &by("lead")).expect("a reading");
+                    store.begin_reading(film, 1, &by("lead")).expect("a reading");
                 }
             }
             for (who, role) in [("editor", Role::Editor), ("reader", Role::Reader)] {

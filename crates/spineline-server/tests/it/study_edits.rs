@@ -46,7 +46,7 @@ fn a_reading_is_withdrawn_by_its_observer_or_an_admin() {
     store.grant(&name("S-2"), &name("editor"), Role::Editor, &by("lead")).expect("a grant");
     let image = json!({ "columns": 10, "rows": 10, "patient_left": "image_left" });
     let added = store.add_film(&name("S-2"), Posture::Neutral, b"a film", &image, &by("lead"));
-    let film = added.expect("a film").film.0;
+    let film = added.expect("a film").0;
     let begin = |browser: &Browser<'_>, film: i64, repeat: u32| {
         let path = format!("/api/films/{film}/readings");
         let begun = browser.post(&path, &json!({ "repeat": repeat })).json();

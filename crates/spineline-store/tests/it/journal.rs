@@ -36,7 +36,7 @@ fn every_click_is_in_the_state_after_a_reload() {
     assert_eq!(l3.corners[&Corner::InferiorLeft], [397.5, 1961.0]);
     assert_eq!(l3.corners[&Corner::SuperiorRight], [610.5, 1853.125]);
     assert_eq!(state.iliac_crests_px[&Side::Right], [760.0, 2304.0]);
-    assert_eq!(state.scale.map(|scale| scale.length_mm), Some(100.0));
+    assert_eq!(state.scale_mm, Some(100.0));
     assert_eq!(state.inverted, Some(true));
     assert_eq!(state.notes, ["Größe unklar; Zeile 2\n\"Zitat\""]);
     assert!(state.undoable > 0 && state.redoable > 0);
@@ -213,8 +213,8 @@ fn a_repeated_picture_is_reported_with_its_posture() {
     let added = store
         .add_film(&name("S-2"), Posture::Erect, &film_bytes(2), &image(), &by("lead", 11))
         .expect("a film");
-    assert!(!added.bytes_are_new);
-    assert_eq!(store.content(&added.content).expect("bytes"), film_bytes(2));
+    let content = store.film(added).expect("the film").content;
+    assert_eq!(store.content(&content).expect("bytes"), film_bytes(2));
     drop(store);
     let raw = rusqlite::Connection::open(folder.path().join("store")).expect("a database");
     let count: i64 =

@@ -33,7 +33,7 @@ fn begun(folder: &tempfile::TempDir) -> (Store, ReadingId) {
     let mut image = image();
     image["file"] = "erect.dcm".into();
     let film = store.add_film(&id, Posture::Erect, &film_bytes(1), &image, &lead).expect("a film");
-    let reading = store.begin_reading(film.film, 1, &by("A", 2)).expect("a reading");
+    let reading = store.begin_reading(film, 1, &by("A", 2)).expect("a reading");
     (store, reading)
 }
 

@@ -391,7 +391,7 @@ fn an_empty_plan_or_a_plan_after_readings_is_refused() {
     store.add_study(&Study::new(study.clone(), None, true), &lead).expect("a study");
     let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);
     assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "no films: {refused:?}");
-    let film = store.add_film(&study, Posture::Erect, b"x", &image(), &lead).expect("a film").film;
+    let film = store.add_film(&study, Posture::Erect, b"x", &image(), &lead).expect("a film");
     for (observers, repeats) in [(&[][..], 2), (&[name("A")][..], 0), (&[name("A")][..], u32::MAX)]
     {
         let design = PlanDesign { repeats, ..DESIGN };

@@ -67,7 +67,7 @@ pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, F
         let view = FilmView::Frontal(film.posture);
         let image = image_value(view, image, FilmSource::default());
         let added = store.add_film(&id, film.posture, bytes.as_bytes(), &image, &by("lead"));
-        (film.posture, added.expect("a new film").film)
+        (film.posture, added.expect("a new film"))
     });
     films.collect()
 }
