@@ -77,10 +77,7 @@ impl Server {
     }
 
     /// Answers requests until `end` completes, and then waits a few seconds for running ones.
-    ///
-    /// # Errors
-    /// None so far.
-    pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> std::io::Result<()> {
+    pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) {
         let app = app(self.state.clone());
         let open = GracefulShutdown::new();
         let slots = ConnectionSlots::new(self.state.options.limits.connections);
@@ -125,7 +122,6 @@ impl Server {
         self.state.changes.close();
         // Remaining connections are closed with the program.
         let _ = tokio::time::timeout(END_TIMEOUT, open.shutdown()).await;
-        Ok(())
     }
 }
 

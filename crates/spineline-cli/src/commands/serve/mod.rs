@@ -222,10 +222,7 @@ async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<
         print(base)?;
         print("Open this address in a browser and sign in with an account. Press Ctrl-C to stop.")?;
     }
-    server
-        .run(interrupt::requested())
-        .await
-        .map_err(|error| Failure::internal(error.to_string()))?;
+    server.run(interrupt::requested()).await;
     Ok(Ending::Done)
 }
 
