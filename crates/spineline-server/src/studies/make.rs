@@ -9,9 +9,7 @@ use spineline::anatomy::FilmView;
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline_files::{FilmSource, image_value, sha256_hex};
 use spineline_films::{DeidOptions, FilmKind, FilmLimits, Stated, deidentify, film_doubts};
-use spineline_store::{
-    AddedCase, CaseError, Name, NewCase, Role, Signature, Store, StoreError, Study,
-};
+use spineline_store::{AddedCase, Name, NewCase, Role, Signature, Store, StoreError, Study};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -155,7 +153,8 @@ async fn import_case(
         let missing = "a film that the case names was not uploaded";
         let bytes_of =
             |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
-        let case = NewCase::read(&import.text, bytes_of).map_err(|error| case_refused(&error))?;
+        let case = NewCase::read(&import.text, bytes_of)
+            .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;
         let mut pictures = Pictures::default();
         for (view, file, size) in case.pictures() {
             let upload = uploads.get(file).ok_or_else(|| Failure::refused(missing))?;
@@ -315,18 +314,13 @@ pub fn stated_spacing([column_mm, row_mm]: [f64; 2], plane: SpacingPlane) -> Ans
     if stated.is_plausible() {
         return Ok(stated);
     }
-    let [text, help] = if is_shape {
-        [
-            format!("pixels of {column_mm} × {row_mm} are not plausible"),
-            "enter the width and height of a pixel".to_owned(),
-        ]
+    Err(if is_shape {
+        Failure::refused(format!("pixels of {column_mm} × {row_mm} are not plausible"))
+            .help("enter the width and height of a pixel")
     } else {
-        [
-            format!("a spacing of {column_mm} mm × {row_mm} mm is not plausible"),
-            "enter the distance between pixel centres in mm".to_owned(),
-        ]
-    };
-    Err(Failure::refused(text).help(help))
+        Failure::refused(format!("a spacing of {column_mm} mm × {row_mm} mm is not plausible"))
+            .help("enter the distance between pixel centres in mm")
+    })
 }
 
 /// De-identifies a film's file.
@@ -346,8 +340,4 @@ fn salt() -> Answer<[u8; 32]> {
         )
     })?;
     Ok(salt)
-}
-
-fn case_refused(error: &CaseError<&str>) -> Failure {
-    Failure::refused(error.to_string()).help(error.help())
 }
