@@ -2,13 +2,12 @@
 
 mod view;
 
-use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use axum::extract::State;
+use rayon::prelude::*;
 use spineline::response::{OtherLoads, PadEffect, PadTrial, try_pad};
 use spineline_files::LoadFile;
 use spineline_store::Role;
@@ -137,28 +136,19 @@ fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
         Failure::refused(error.to_string())
             .help("change the loads of the plan, or try the pads alone")
     })?;
-    let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; trials.len()]));
-    let work = || {
-        loop {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&trial) = trials.get(place).filter(|_| !job.is_cancelled()) else { return };
-            let mut on_point = |_, _: &_| {
-                if job.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            };
-            let effect = try_pad(&statics, &others, places, trial, &mut on_point);
-            if let Some(slot) = found.lock().unwrap_or_else(PoisonError::into_inner).get_mut(place)
-            {
-                *slot = Some(effect);
-            }
-            job.done.fetch_add(1, Ordering::Relaxed);
-        }
+    let effect_of = |trial: PadTrial| {
+        let mut on_point = |_, _: &_| {
+            if job.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let effect = try_pad(&statics, &others, places, trial, &mut on_point);
+        job.done.fetch_add(1, Ordering::Relaxed);
+        effect
     };
-    let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    thread::scope(|scope| (0..cores).for_each(|_| drop(scope.spawn(work))));
+    let found: Vec<_> =
+        trials.par_iter().map(|&trial| (!job.is_cancelled()).then(|| effect_of(trial))).collect();
     if job.is_cancelled() {
         return Ok(None);
     }
-    let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
     let effects = found.into_iter().flatten().collect::<Result<Vec<PadEffect>, _>>();
     effects.map(Some).map_err(|error| unusable(error.to_string()))
 }
