@@ -4,9 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use spineline::anatomy::{FilmView, Level, Posture};
-use spineline_store::{
-    FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Store, StoreError,
-};
+use spineline_store::{FilmRecord, Name, ReadingId, ReadingRecord, Store, StoreError};
 
 use crate::api::StudyStatus;
 
@@ -59,7 +57,7 @@ impl OverviewCache {
             let counted = before.as_ref().and_then(|(_, overview)| overview.final_count(reading));
             let count = match counted {
                 Some(count) => count,
-                None => complete_levels(&store.reading_state(reading.id)?),
+                None => store.reading_state(reading.id)?.complete_levels().count() as u32,
             };
             complete.insert(reading.id, count);
         }
@@ -68,11 +66,6 @@ impl OverviewCache {
         known().insert(study.to_string(), (sequence, overview.clone()));
         Ok(overview)
     }
-}
-
-fn complete_levels(state: &ReadingState) -> u32 {
-    let of_model = state.vertebrae.iter().filter(|(level, _)| level.model_index().is_some());
-    of_model.filter(|(_, landmarks)| landmarks.is_complete()).count() as u32
 }
 
 /// The status of a study from its landmarks alone.

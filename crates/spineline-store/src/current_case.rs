@@ -17,7 +17,7 @@ use crate::journal;
 use crate::names::{FilmId, Name, ReadingId};
 use crate::options;
 use crate::readings::{self, ReadingRecord};
-use crate::state::{ReadingState, VertebraReading};
+use crate::state::ReadingState;
 
 /// Which readings of a study the current case uses.
 #[derive(Debug, Clone, Copy)]
@@ -140,7 +140,7 @@ impl Store {
                 }
             };
             let marked: BTreeSet<Level> =
-                chosen.iter().flat_map(|(_, state)| complete_levels(state)).collect();
+                chosen.iter().flat_map(|(_, state)| state.complete_levels()).collect();
             if !marked.is_empty() {
                 landmarks.push(assembly::film(&film, &chosen)?);
             }
@@ -195,21 +195,12 @@ impl Store {
         own.sort_by_key(|reading| std::cmp::Reverse(reading.id));
         for reading in own {
             let state = self.state_of(connection, reading)?;
-            let complete = |level: &Level| {
-                state.vertebrae.get(level).is_some_and(VertebraReading::is_complete)
-            };
-            if Level::MODEL.iter().all(complete) {
+            if state.complete_levels().count() == Level::MODEL.len() {
                 return Ok(vec![(reading, state)]);
             }
         }
         self.finished(connection, of_film)
     }
-}
-
-/// Vertebrae of the model with four corners.
-fn complete_levels(state: &ReadingState) -> impl Iterator<Item = Level> {
-    let marked = state.vertebrae.iter().filter(|(_, landmarks)| landmarks.is_complete());
-    marked.map(|(&level, _)| level).filter(|level| level.model_index().is_some())
 }
 
 type Read<'r> = Vec<(&'r ReadingRecord, ReadingState)>;

@@ -69,6 +69,12 @@ pub struct ReadingState {
 }
 
 impl ReadingState {
+    /// Vertebrae of the model with four corners.
+    pub fn complete_levels(&self) -> impl Iterator<Item = Level> {
+        let complete = self.vertebrae.iter().filter(|(_, landmarks)| landmarks.is_complete());
+        complete.map(|(&level, _)| level).filter(|level| level.model_index().is_some())
+    }
+
     /// Replays events.
     pub(crate) fn replay(events: &[Event], finished: bool) -> Self {
         let (mut done, mut undone, mut notes) = (Vec::new(), Vec::new(), Vec::new());
@@ -158,8 +164,6 @@ impl ReadingState {
         if !event.fits(view) {
             return Some("a film of this view does not show this landmark");
         }
-        let on_film =
-            |place: &[f64]| place.iter().all(|x| x.is_finite() && x.abs() <= MAX_COORDINATE_PX);
         let (sound, reason) = match event {
             Event::PlaceCorner { column_px, row_px, .. }
             | Event::PlaceWall { column_px, row_px, .. }
@@ -223,11 +227,14 @@ fn beside(level: Level, up: bool) -> Option<Level> {
 
 /// Whether all four corners lie within the limits, and the deviation is not negative.
 fn is_whole(corners: &BTreeMap<Corner, [f64; 2]>, sd_share: Option<f64>) -> bool {
-    let inside = |x: &f64| x.is_finite() && x.abs() <= MAX_COORDINATE_PX;
     corners.len() == Corner::COUNT
-        && corners.values().flatten().all(inside)
+        && corners.values().all(|place| on_film(place))
         && sd_share.is_none_or(|sd| sd.is_finite() && sd >= 0.0)
 }
 
 /// Larger than any film; catches errors of units.
 const MAX_COORDINATE_PX: f64 = 1e6;
+
+fn on_film(place: &[f64]) -> bool {
+    place.iter().all(|x| x.is_finite() && x.abs() <= MAX_COORDINATE_PX)
+}
