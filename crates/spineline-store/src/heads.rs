@@ -10,7 +10,7 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use crate::audit::Head;
-use crate::beside::{HEADS, beside};
+use crate::beside::{HEADS, beside, remove};
 use crate::error::StoreError;
 use crate::privacy;
 
@@ -109,10 +109,5 @@ impl HeadFile {
 /// [`StoreError::File`].
 pub(crate) fn forget(store: &Path) -> Result<(), StoreError> {
     let path = beside(store, HEADS);
-    match std::fs::remove_file(&path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-            Err(StoreError::File { path, source })
-        }
-        _ => Ok(()),
-    }
+    remove(&path).map_err(|source| StoreError::File { path, source })
 }

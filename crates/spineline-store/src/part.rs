@@ -5,7 +5,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use crate::beside::{INDEX, JOURNAL, LOG, beside, has_content};
+use crate::beside::{INDEX, JOURNAL, LOG, beside, has_content, remove};
 use crate::error::StoreError;
 use crate::heads;
 use crate::privacy;
@@ -123,20 +123,12 @@ pub(crate) fn check_free(path: &Path) -> Result<(), StoreError> {
 }
 
 /// Removes the logs of SQLite beside a file.
-pub(crate) fn remove_logs(path: &Path) -> io::Result<()> {
+fn remove_logs(path: &Path) -> io::Result<()> {
     [LOG, INDEX, JOURNAL].iter().try_for_each(|end| remove(&beside(path, end)))
 }
 
-/// Removes a file that may be missing.
-pub(crate) fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    }
-}
-
 /// Flushes a folder, so that a new name survives a power failure, where the system allows it.
-pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
+fn sync_folder(path: &Path) -> io::Result<()> {
     #[cfg(unix)]
     {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

@@ -12,11 +12,11 @@ use rusqlite::{Connection, OpenFlags};
 
 use crate::acceptance::accept;
 use crate::backup::fill;
-use crate::beside::{INDEX, JOURNAL, LOG, behind_links, beside, has_content};
+use crate::beside::{INDEX, JOURNAL, LOG, behind_links, beside, has_content, remove};
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::heads;
-use crate::part::{Part, remove};
+use crate::part::Part;
 use crate::schema::{self, Mark};
 use crate::verify::Verification;
 
