@@ -5,8 +5,8 @@ use spineline::reliability::{BlandAltman, DesignReliability, QuantityReliability
 use spineline::warning::counted;
 
 use super::page::{Page, Sample};
-use super::panel::{Axis, Heading, HeadingKind, Panel, Ticks};
-use super::style::{BLACK, BLUE, GREY, Ink, Marker, SKY, Shape, VERMILLION, YELLOW, nice_step};
+use super::panel::{Axis, HeadingKind, Panel};
+use super::style::{BLACK, BLUE, GREY, Ink, Marker, SKY, Shape, VERMILLION, YELLOW};
 
 const BIAS: Ink = Ink::new(BLUE, "", 1.8);
 const LIMIT: Ink = Ink::new(VERMILLION, "8 4", 1.6);
@@ -62,13 +62,9 @@ fn panel(pair: &BlandAltman, unit: &str, width_px: f64, point: Marker) -> Panel 
     let y = axis(format!("difference in {unit}"), y);
     let mut panel = Panel::new(x, y, [width_px, 300.0]);
     let [lower, upper] = pair.limits.map(shown_measure);
-    panel.headings = vec![
-        Heading { text: format!("{second} minus {first}"), kind: HeadingKind::Title },
-        Heading {
-            text: format!("bias {} {unit}, limits {lower} to {upper}", shown_measure(pair.bias)),
-            kind: HeadingKind::Plain,
-        },
-    ];
+    panel.heading(HeadingKind::Title, format!("{second} minus {first}"));
+    let bias = format!("bias {} {unit}, limits {lower} to {upper}", shown_measure(pair.bias));
+    panel.heading(HeadingKind::Plain, bias);
     let bands = pair.limit_intervals.into_iter().flatten().map(|band| (band, YELLOW));
     for (band, fill) in bands.chain(pair.bias_interval.map(|band| (band, SKY))) {
         let filling = fill_between(&panel, band, fill);
@@ -98,14 +94,11 @@ fn fill_between(panel: &Panel, [low, high]: [f64; 2], fill: &str) -> Primitive {
     }
 }
 
-/// An axis between round numbers around all values.
+/// An axis around all values.
 fn axis(label: String, values: impl Iterator<Item = f64>) -> Axis {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     // Equal values get room on both sides that double precision can tell apart.
     let spare = 0.04 * (high - low).max(1e-6 * low.abs().max(high.abs())).max(1e-9);
-    let (low, high) = (low - spare, high + spare);
-    let step = nice_step(high - low, 6.0);
-    let range = [step * (low / step).floor(), step * (high / step).ceil()];
-    Axis { label, range, step, ticks: Ticks::Numbers }
+    Axis::around(label, low - spare, high + spare, 6.0)
 }

@@ -5,7 +5,7 @@ use spineline::evaluate::statistics::{BoxSummary, Summary, box_summary};
 use spineline::number::fixed;
 
 use super::page::Sample;
-use super::panel::{Axis, Panel, Ticks};
+use super::panel::{Axis, Panel};
 use super::style::{
     BLACK, Ink, Marker, Shape, TICK_PX, VERMILLION, WHITE, outlined, text, text_width_px, wrapped,
 };
@@ -83,8 +83,8 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     let total = columns.len() as f64 + 0.5 * (groups.len() as f64 + 1.0);
     let boxes: Vec<Boxed<'_>> = columns.iter().map(Boxed::new).collect();
     let most = axis_end(&boxes);
-    let x = Axis { label: String::new(), range: [0.0, total], step: 1.0, ticks: Ticks::None };
-    let mut panel = Panel::new(x, Axis::from_zero(y_label, most), frame_px);
+    let (x, y) = (Axis::places("", total), Axis::from_zero(y_label, most));
+    let mut panel = Panel::new(x, y, frame_px);
     let column_px = frame_px[0] / total;
     // Where names would overlap, only the legend names the boxes, in the same order.
     let wide = |words: &str| words.split(' ').any(|w| text_width_px(w, TICK_PX) > column_px);

@@ -5,7 +5,7 @@ use spineline::cohort::{Cohort, EstimateStatistics};
 
 use super::boxes::{Column, RULE, box_panel, paper_entry};
 use super::page::{Page, Sample};
-use super::panel::{Axis, HeadingKind, Name, Panel, Ticks};
+use super::panel::{Axis, HeadingKind, Panel};
 use super::style::{FILLS, Ink, VERMILLION, action_fill, outlined};
 use crate::paper::{INFLECTION_ROTATION_DEG, NEAR_SHARES_PERCENT, PaperMean};
 
@@ -143,18 +143,11 @@ fn distance_bars(samples: &[&InflectionSample], with_paper: bool, frame_px: [f64
         samples.iter().map(|sample| bin_shares(&sample.distances_segments)).collect();
     let papers = if with_paper { &NEAR_SHARES_PERCENT[..] } else { &[] };
     let most = shares.iter().flatten().chain(papers).copied().fold(0.0, f64::max);
-    let bins = BINS.len() as f64;
-    let x = Axis {
-        label: "distance (segments)".to_owned(),
-        range: [0.0, bins],
-        step: 1.0,
-        ticks: Ticks::None,
-    };
+    let x = Axis::places("distance (segments)", BINS.len() as f64);
     let mut panel = Panel::new(x, Axis::from_zero("share of cases (%)", most), frame_px);
     let width = 0.8 / samples.len().max(1) as f64;
     for (bin, (name, _)) in BINS.iter().enumerate() {
-        let middle = bin as f64 + 0.5;
-        panel.names.push(Name { x: middle, row: 0, text: (*name).to_owned(), bold: false });
+        panel.name_below(bin as f64 + 0.5, 0, vec![(*name).to_owned()], false);
         for (i, (shares, fill)) in shares.iter().zip(FILLS.iter().cycle()).enumerate() {
             let from = panel.px(bin as f64 + 0.1 + i as f64 * width, shares[bin]);
             let to = panel.px(bin as f64 + 0.1 + (i + 1) as f64 * width, 0.0);

@@ -4,7 +4,7 @@ use kuva::render::render::TextAnchor;
 
 use super::arrows::arrow;
 use super::page::Page;
-use super::panel::{Axis, Panel, Ticks};
+use super::panel::{Axis, Panel};
 use super::style::{
     BLACK, BLUE, Ink, LABEL_PX, NOTE_PX, SKY, bold, line_px, outlined, text, wrapped,
 };
@@ -20,8 +20,7 @@ pub fn lenke_types(counts: &[(String, usize)], synthetic: bool) -> Option<String
     page.width_px = 640.0;
     let most = counts.iter().map(|(_, count)| *count).max().unwrap_or(0);
     let total = counts.len().max(1) as f64;
-    let x =
-        Axis { label: "Lenke type".to_owned(), range: [0.0, total], step: 1.0, ticks: Ticks::None };
+    let x = Axis::places("Lenke type", total);
     let frame_px = [page.inner_px() - 84.0, 260.0];
     let mut y = Axis::from_zero("patients", most as f64);
     y.step = y.step.max(1.0).round();

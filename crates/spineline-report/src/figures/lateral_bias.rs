@@ -3,7 +3,7 @@
 use spineline::spatial::{Angle, Orientation};
 
 use super::page::{Page, Sample};
-use super::panel::{Axis, Panel, Ticks};
+use super::panel::{Axis, Panel};
 use super::style::{BLACK, BLUE, Ink, VERMILLION};
 
 /// Tilts up to which the figure goes.
@@ -19,18 +19,9 @@ pub fn lateral_bias() -> String {
         "Round endplates square to the axis of the vertebra, no axial rotation, parallel rays. The pitch in space is 20°."
             .to_owned(),
     );
-    let x = Axis {
-        label: "tilt of the vertebra on the frontal film (deg)".to_owned(),
-        range: [0.0, LARGEST_TILT_DEG],
-        step: 10.0,
-        ticks: Ticks::Numbers,
-    };
-    let y = Axis {
-        label: "pitch (deg)".to_owned(),
-        range: [14.0, 26.0],
-        step: 2.0,
-        ticks: Ticks::Numbers,
-    };
+    let label = "tilt of the vertebra on the frontal film (deg)";
+    let x = Axis::numbers(label, [0.0, LARGEST_TILT_DEG], 10.0);
+    let y = Axis::numbers("pitch (deg)", [14.0, 26.0], 2.0);
     let mut panel = Panel::new(x, y, [page.inner_px() - 84.0, 360.0]);
     type Shown = fn(&Orientation) -> Angle;
     let curves: [(&str, Ink, Shown); 3] = [

@@ -1,7 +1,7 @@
 //! Claims over landmark noise.
 
 use super::page::{Page, Sample};
-use super::panel::{Axis, HeadingKind, Panel, Ticks};
+use super::panel::{Axis, HeadingKind, Panel};
 use super::style::{BLACK, BLUE, GREEN, GREY, Ink, Marker, ORANGE, PURPLE, SKY, Shape, VERMILLION};
 
 /// The loading scenario of the patients of a curve.
@@ -102,18 +102,8 @@ fn draw_row(row: &NoiseRow, page: &Page, last: bool) -> Vec<Panel> {
     let lowest = lowest.map(|(_, [value, ..])| *value).filter(|v| v.is_finite());
     let from = if lowest.fold(0.0, f64::min) < -5.0 { -50.0 } else { 0.0 };
     let panels = row.panels.iter().enumerate().map(|(i, panel)| {
-        let x = Axis {
-            label: if last { "noise (mm)".to_owned() } else { String::new() },
-            range: [-0.05, 1.05],
-            step: 0.2,
-            ticks: Ticks::Numbers,
-        };
-        let y = Axis {
-            label: row.y_label.clone(),
-            range: [from, 100.0],
-            step: 25.0,
-            ticks: Ticks::Numbers,
-        };
+        let x = Axis::numbers(if last { "noise (mm)" } else { "" }, [-0.05, 1.05], 0.2);
+        let y = Axis::numbers(row.y_label.as_str(), [from, 100.0], 25.0);
         let mut drawn = Panel::new(x, y, [width_px, 150.0]);
         drawn.y_written = i == 0;
         drawn.boxed = true;

@@ -44,12 +44,28 @@ pub struct Axis {
 }
 
 impl Axis {
+    /// With numbers at its ticks.
+    pub fn numbers(label: impl Into<String>, range: [f64; 2], step: f64) -> Self {
+        Self { label: label.into(), range, step, ticks: Ticks::Numbers }
+    }
+
     /// From zero to a round number above all values.
     pub fn from_zero(label: &str, most: f64) -> Self {
         let most = if most > 0.0 { 1.03 * most } else { 1.0 };
         let step = nice_step(most, 6.0);
-        let range = [0.0, step * (most / step).ceil()];
-        Self { label: label.to_owned(), range, step, ticks: Ticks::Numbers }
+        Self::numbers(label, [0.0, step * (most / step).ceil()], step)
+    }
+
+    /// Between round numbers around all values, with about this number of ticks.
+    pub fn around(label: impl Into<String>, low: f64, high: f64, ticks: f64) -> Self {
+        let step = nice_step(high - low, ticks);
+        let range = [step * (low / step).floor(), step * (high / step).ceil()];
+        Self::numbers(label, range, step)
+    }
+
+    /// Places of equal width without numbers; [`Panel::names`] are written below them.
+    pub fn places(label: &str, count: f64) -> Self {
+        Self { label: label.to_owned(), range: [0.0, count], step: 1.0, ticks: Ticks::None }
     }
 
     /// Labels of the ticks. A label of a distance that would reach beyond its frame is left out: a neighbour stands there.
@@ -168,7 +184,7 @@ impl Panel {
 
     /// A place for marks alone.
     pub fn bare(frame_px: [f64; 2]) -> Self {
-        let axis = Axis { label: String::new(), range: [0.0, 1.0], step: 1.0, ticks: Ticks::None };
+        let axis = Axis::places("", 1.0);
         Self { y_written: false, bare: true, ..Self::new(axis.clone(), axis, frame_px) }
     }
 

@@ -4,10 +4,8 @@ use spineline::analysis::{Analysis, LineModel};
 use spineline::personalize::{Identifiability, Profile};
 
 use super::page::{Page, Sample};
-use super::panel::{Axis, HeadingKind, Panel, Ticks};
-use super::style::{
-    BLACK, BLUE, GREEN, GREY, Ink, Marker, ORANGE, PURPLE, SKY, Shape, VERMILLION, nice_step,
-};
+use super::panel::{Axis, HeadingKind, Panel};
+use super::style::{BLACK, BLUE, GREEN, GREY, Ink, Marker, ORANGE, PURPLE, SKY, Shape, VERMILLION};
 
 const COLOURS: [&str; 6] = [BLUE, ORANGE, GREEN, VERMILLION, PURPLE, SKY];
 const DASHES: [&str; 3] = ["", "7 3", "2 3"];
@@ -61,19 +59,8 @@ fn panel(
     [low, high]: [f64; 2],
     width_px: f64,
 ) -> Panel {
-    let step = nice_step(high - low, 5.0);
-    let x = Axis {
-        label: "ln of the multiplier (1)".to_owned(),
-        range: [step * (low / step).floor(), step * (high / step).ceil()],
-        step,
-        ticks: Ticks::Numbers,
-    };
-    let y = Axis {
-        label: "rise of the sum of squares (1)".to_owned(),
-        range: [0.0, MOST_RISE],
-        step: 2.0,
-        ticks: Ticks::Numbers,
-    };
+    let x = Axis::around("ln of the multiplier (1)", low, high, 5.0);
+    let y = Axis::numbers("rise of the sum of squares (1)", [0.0, MOST_RISE], 2.0);
     let mut panel = Panel::new(x, y, [width_px, TALL_PX]);
     panel.heading(HeadingKind::Title, model.kind.to_string());
     let [left, right] = panel.x.range;

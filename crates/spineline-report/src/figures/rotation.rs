@@ -6,7 +6,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::motion::{LEAST_SEGMENT_WINDOWS, Motion};
 
 use super::page::{Page, Sample};
-use super::panel::{Axis, Panel, Ticks};
+use super::panel::{Axis, Panel};
 use super::style::{BLACK, Ink, Marker, TICK_PX, nice_step, posture_style, text, text_width_px};
 
 const INFLECTION: Ink = Ink::new(BLACK, "4 4", 1.3);
@@ -71,12 +71,9 @@ fn empty_panel(motions: &[(Posture, &Motion)], width_px: f64, base: Level) -> Pa
     let segments = motions.iter().map(|(_, motion)| motion.rotations.len()).max().unwrap_or(1);
     let rotations = motions.iter().flat_map(|(_, motion)| &motion.rotations);
     let most = rotations.map(|r| r.deg()).fold(0.0, f64::max);
-    let x = Axis {
-        label: format!("segment number, counted from {base} upwards"),
-        range: [0.0, segments as f64],
-        step: nice_step(segments as f64, 10.0),
-        ticks: Ticks::Numbers,
-    };
+    let segments = segments as f64;
+    let label = format!("segment number, counted from {base} upwards");
+    let x = Axis::numbers(label, [0.0, segments], nice_step(segments, 10.0));
     let y = Axis::from_zero("rotation of a segment (deg)", most);
     let mut panel = Panel::new(x, y, [width_px - 84.0, 400.0]);
     // Room for the words above the inflections.

@@ -6,7 +6,7 @@ use spineline::anatomy::Level;
 
 use super::frontal::has_scale;
 use super::page::{Page, Sample};
-use super::panel::{Axis, HeadingKind, Panel, Ticks};
+use super::panel::{Axis, HeadingKind, Panel};
 use super::style::{
     BLUE, GREY, Ink, Marker, SKY, Shape, TICK_PX, VERMILLION, nice_step, text_width_px,
 };
@@ -154,14 +154,9 @@ fn by_level(
     let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
     let step = nice_step((high - low).max(1.0), 7.0);
     let most = levels.len() as f64;
-    let x = Axis { label: String::new(), range: [0.0, most], step: 1.0, ticks: Ticks::None };
-    let y = Axis {
-        label: label.to_owned(),
-        range: [step * (low / step).floor(), step * (high / step).ceil().max(1.0)],
-        step,
-        ticks: Ticks::Numbers,
-    };
-    let mut panel = Panel::new(x, y, [width_px, TALL_PX]);
+    let range = [step * (low / step).floor(), step * (high / step).ceil().max(1.0)];
+    let y = Axis::numbers(label, range, step);
+    let mut panel = Panel::new(Axis::places("", most), y, [width_px, TALL_PX]);
     // In two rows where names would meet.
     let rows = if width_px / most < text_width_px("T12", TICK_PX) + 6.0 { 2 } else { 1 };
     for (i, level) in levels.iter().enumerate() {
@@ -187,10 +182,9 @@ fn from_right(found: &TemplateError, base: Level, marker: Marker) -> Panel {
     let spare = 0.5 * (160.0 - (x[1] - x[0])).max(0.0);
     x = [20.0 * ((x[0] - spare) / 20.0).floor(), 20.0 * ((x[1] + spare) / 20.0).ceil()];
     let px_per_mm = TALL_PX / (z[1] - z[0]);
-    let axis = |label: String, range, step| Axis { label, range, step, ticks: Ticks::Numbers };
     let mut panel = Panel::new(
-        axis(format!("anterior of {base} (mm)"), x, 40.0),
-        axis(format!("cranial of {base} (mm)"), z, 50.0),
+        Axis::numbers(format!("anterior of {base} (mm)"), x, 40.0),
+        Axis::numbers(format!("cranial of {base} (mm)"), z, 50.0),
         [px_per_mm * (x[1] - x[0]), TALL_PX],
     );
     panel.heading(HeadingKind::Title, "From the right");
