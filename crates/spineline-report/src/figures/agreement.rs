@@ -36,14 +36,12 @@ pub fn bland_altman(
     ));
     page.notes.extend(design.remarks.iter().map(|remark| format!("{remark}.")));
     let point = Marker { radius_px: 2.6, ..Marker::new(Shape::Circle, BLACK, false) };
-    page.legend = vec![
-        (Sample::Marker(point), "subject".to_owned()),
-        (Sample::Stroke(BIAS, None), "bias".to_owned()),
-        (Sample::Fill(SKY), "its interval".to_owned()),
-        (Sample::Stroke(LIMIT, None), "limits of agreement, bias ± 1.96 sd".to_owned()),
-        (Sample::Fill(YELLOW), "their intervals".to_owned()),
-        (Sample::Stroke(ZERO, None), "no difference".to_owned()),
-    ];
+    page.entry(point, "subject");
+    page.entry(BIAS, "bias");
+    page.entry(Sample::Fill(SKY), "its interval");
+    page.entry(LIMIT, "limits of agreement, bias ± 1.96 sd");
+    page.entry(Sample::Fill(YELLOW), "their intervals");
+    page.entry(ZERO, "no difference");
     let columns = PANELS_PER_ROW.min(pairs.len());
     let width_px = page.inner_px() / columns as f64 - 84.0;
     let panels: Vec<Panel> =

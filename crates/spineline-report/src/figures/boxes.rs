@@ -4,7 +4,7 @@ use kuva::render::render::{Primitive, TextAnchor};
 use spineline::evaluate::statistics::{BoxSummary, Summary, box_summary};
 use spineline::number::fixed;
 
-use super::page::Sample;
+use super::page::Page;
 use super::panel::{Axis, Panel};
 use super::style::{
     BLACK, Ink, Marker, Shape, TICK_PX, VERMILLION, WHITE, outlined, text, text_width_px, wrapped,
@@ -37,9 +37,9 @@ pub struct Column {
     pub paper: Option<PaperMean>,
 }
 
-/// The entry of a legend for the paper's means.
-pub fn paper_entry() -> (Sample, String) {
-    (Sample::Stroke(PAPER.0, Some(PAPER.1)), "the paper: mean ± standard deviation".to_owned())
+/// Adds the paper's means to the legend.
+pub fn paper_entry(page: &mut Page) {
+    page.entry(PAPER, "the paper: mean ± standard deviation");
 }
 
 /// The finite values of a column, and their box.

@@ -7,7 +7,7 @@ use spineline::spatial::Frontal;
 
 use super::arrows::arrow;
 use super::frontal::{Extent, VIEW, drawn, frontal_panel};
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{Axis, HeadingKind, Panel, Ticks};
 use super::style::{
     BLACK, GREEN, GREY, Ink, Marker, ORANGE, Shape, TICK_PX, VERMILLION, nice_step, text,
@@ -36,13 +36,11 @@ pub fn chain(analysis: &Analysis) -> String {
         movement.chain.segments,
         movement.scale().text(movement.chain.segment_mm, 3)
     ));
-    page.legend = vec![
-        (Sample::Stroke(LINK, Some(JOINT)), "links and joints".to_owned()),
-        (Sample::Stroke(AXES[0], None), "first axis: along the link; of G: left".to_owned()),
-        (Sample::Stroke(AXES[1], None), "second axis; of G: cranial".to_owned()),
-    ];
+    page.entry((LINK, JOINT), "links and joints");
+    page.entry(AXES[0], "first axis: along the link; of G: left");
+    page.entry(AXES[1], "second axis; of G: cranial");
     if movement.inflection_segments.is_some() {
-        page.legend.push((Sample::Marker(INFLECTION), "inflection segments".to_owned()));
+        page.entry(INFLECTION, "inflection segments");
     }
     page.rows.push(vec![whole(analysis), near(analysis)]);
     page.into_svg()

@@ -111,11 +111,11 @@ pub fn inflection_distances(
     page.notes.push(format!("From the erect to all other postures. {RULE}"));
     for (sample, fill) in samples.iter().zip(FILLS.iter().cycle()) {
         let n = sample.distances_segments.iter().filter(|d| d.is_finite()).count();
-        page.legend.push((Sample::Fill(fill), format!("{} (n = {n})", sample.name)));
+        page.entry(Sample::Fill(fill), format!("{} (n = {n})", sample.name));
     }
     if with_paper {
-        page.legend.push((Sample::Stroke(SHARE, None), "the paper: share".to_owned()));
-        page.legend.push(paper_entry());
+        page.entry(SHARE, "the paper: share");
+        paper_entry(&mut page);
     }
     let mut bars = distance_bars(&samples, with_paper, [0.56 * page.inner_px() - 84.0, 340.0]);
     bars.heading(HeadingKind::Title, "(a) distance between them");
@@ -207,10 +207,11 @@ pub fn location_errors(
     let mut kinds: Vec<LineKind> = samples.iter().map(|sample| sample.line).collect();
     kinds.sort_unstable();
     kinds.dedup();
-    let legend = kinds.into_iter().map(|kind| (Sample::Fill(action_fill(kind)), kind.to_string()));
-    page.legend.extend(legend);
+    for kind in kinds {
+        page.entry(Sample::Fill(action_fill(kind)), kind.to_string());
+    }
     if samples.iter().any(|sample| sample.paper.is_some()) {
-        page.legend.push(paper_entry());
+        paper_entry(&mut page);
     }
     let frame_px = [page.inner_px() - 84.0, 380.0];
     page.rows.push(vec![box_panel(&columns, "location error (mm)", frame_px)]);
@@ -236,8 +237,8 @@ pub fn least_rotating_estimates(groups: &[EstimateGroup], synthetic: bool) -> Op
             .to_owned(),
     );
     page.notes.push(RULE.to_owned());
-    page.legend.push((Sample::Fill(FILLS[0]), "inflection".to_owned()));
-    page.legend.push((Sample::Fill(FILLS[1]), "mean".to_owned()));
+    page.entry(Sample::Fill(FILLS[0]), "inflection");
+    page.entry(Sample::Fill(FILLS[1]), "mean");
     let panel = |pick: fn(&EstimateSample) -> &Vec<f64>, label: &str, heading: &str, width_px| {
         let columns: Vec<Column> = groups
             .iter()

@@ -10,7 +10,7 @@ use spineline::spatial::{Frontal, Pixel};
 use super::frontal::{
     Extent, VIEW, axes_of_row, drawn, frame_px, frontal_panel, has_scale, scale_note,
 };
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{HeadingKind, Panel, Picture};
 use super::style::{
     BLACK, GREY, Ink, Marker, ORANGE, PAGE_WIDTH_PX, Shape, VERMILLION, action_ink,
@@ -167,20 +167,19 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
 }
 
 fn legend(page: &mut Page, analysis: &Analysis, displayed: &[(Displayed<'_>, &FilmMovement)]) {
-    let mut add = |sample, words: &str| page.legend.push((sample, words.to_owned()));
     if displayed.iter().any(|(film, _)| film.marks().next().is_some()) {
-        add(Sample::Stroke(BODY, None), "marked corners, every reading");
+        page.entry(BODY, "marked corners, every reading");
     }
-    add(Sample::Marker(MIDPOINT), "midpoints, mean of readings");
-    add(Sample::Stroke(CURVE, None), "fitted curve");
+    page.entry(MIDPOINT, "midpoints, mean of readings");
+    page.entry(CURVE, "fitted curve");
     if analysis.movement.inflection_segments.is_some() {
-        add(Sample::Marker(INFLECTION), "inflections of the erect curve");
+        page.entry(INFLECTION, "inflections of the erect curve");
     }
     if displayed.iter().any(|(film, _)| film.crests().is_some()) {
-        add(Sample::Stroke(CREST, None), "iliac crests");
+        page.entry(CREST, "iliac crests");
     }
     for model in &analysis.models {
-        add(Sample::Stroke(action_ink(model.kind), None), &model.kind.to_string());
+        page.entry(action_ink(model.kind), model.kind.to_string());
     }
 }
 

@@ -9,7 +9,7 @@ use spineline::spatial::Frontal;
 use super::frontal::{
     Extent, VIEW, axes_of_row, drawn, frame_px, frontal_panel, has_scale, scale_note,
 };
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{HeadingKind, Panel};
 use super::style::{BLACK, GREY, Ink, Marker, ORANGE, PURPLE, Shape, action_ink};
 
@@ -43,7 +43,7 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
         false => VIEW.to_owned(),
     });
     page.notes.extend(scale_note(analysis));
-    page.legend = legend(through, best_fit);
+    legend(&mut page, through, best_fit);
     let axes = axes_of_row(moved.iter().map(|p| has_scale(&p.outline)));
     let wide_px = frame_px(page.inner_px(), &axes, moved.len());
     let extents: Vec<Extent> = moved.iter().map(|p| Extent::of(p.outline.locations())).collect();
@@ -65,18 +65,16 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
 }
 
 /// Entries for what is drawn: the line through the inflections, the line of best fit, or both.
-fn legend(through: bool, best_fit: bool) -> Vec<(Sample, String)> {
-    let mut entries = vec![(Sample::Stroke(SPINE.0, Some(SPINE.1)), "measured spine")];
+fn legend(page: &mut Page, through: bool, best_fit: bool) {
+    page.entry(SPINE, "measured spine");
     if through {
-        let ink = action_ink(LineKind::Inflection);
-        entries.push((Sample::Marker(INFLECTION), "inflections of the erect curve"));
-        entries.push((Sample::Stroke(ink, None), "line through them"));
+        page.entry(INFLECTION, "inflections of the erect curve");
+        page.entry(action_ink(LineKind::Inflection), "line through them");
     }
     if best_fit {
-        entries.push((Sample::Stroke(BEST_FIT, None), "line of best fit to the rotations"));
-        entries.push((Sample::Stroke(INTERVAL, None), "its 95 % interval, for each place alone"));
+        page.entry(BEST_FIT, "line of best fit to the rotations");
+        page.entry(INTERVAL, "its 95 % interval, for each place alone");
     }
-    entries.into_iter().map(|(sample, words)| (sample, words.to_owned())).collect()
 }
 
 /// One posture; `tested` says whether any film of the figure has a line of best fit.

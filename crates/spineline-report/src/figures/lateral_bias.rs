@@ -2,7 +2,7 @@
 
 use spineline::spatial::{Angle, Orientation};
 
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{Axis, Panel};
 use super::style::{BLACK, BLUE, Ink, VERMILLION};
 
@@ -48,7 +48,7 @@ pub fn lateral_bias() -> String {
         });
         let curve = panel.trace(ink, places);
         panel.marks.push(curve);
-        page.legend.push((Sample::Stroke(ink, None), name.to_owned()));
+        page.entry(ink, name);
     }
     page.rows.push(vec![panel]);
     page.into_svg()

@@ -9,7 +9,7 @@ use spineline::spatial::{Frontal, Vec3};
 
 use super::arrows::{arrow, bar, turning};
 use super::frontal::{Extent, VIEW, drawn, frontal_panel};
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{
     BLACK, BLUE, GREEN, GREY, Ink, Marker, NOTE_PX, ORANGE, PURPLE, Shape, TICK_PX, VERMILLION,
@@ -172,29 +172,25 @@ fn shape_style(input: &LoadedSpine<'_>) -> (Ink, Marker) {
 }
 
 fn legend(page: &mut Page, input: &LoadedSpine<'_>, acting: &[ActingLoad]) {
-    let mut add = |ink, marker, words: &str| {
-        page.legend.push((Sample::Stroke(ink, marker), words.to_owned()));
-    };
-    add(ERECT.0, Some(ERECT.1), "erect, before the loads");
-    let (ink, marker) = shape_style(input);
+    page.entry(ERECT, "erect, before the loads");
     let words = if input.response.result().is_some() { "under load" } else { "not a result" };
-    add(ink, Some(marker), words);
+    page.entry(shape_style(input), words);
     let items = &input.loading.items;
     let some = |kind: fn(&BodyLoad) -> bool| items.iter().any(|item| kind(&item.load));
     if acting.iter().any(|load| matches!(load.kind, ActingKind::Force(_))) {
-        add(FORCE, None, "force (arrows in proportion)");
+        page.entry(FORCE, "force (arrows in proportion)");
     }
     if some(|load| matches!(load, BodyLoad::ForceOnLine { .. })) {
-        add(LINE, None, "line of a force, fixed in space");
+        page.entry(LINE, "line of a force, fixed in space");
     }
     if some(|load| matches!(load, BodyLoad::Strap { .. })) {
-        add(STRAP, None, "strap");
+        page.entry(STRAP, "strap");
     }
     if some(|load| matches!(load, BodyLoad::Moment { .. } | BodyLoad::FollowerMoment { .. })) {
-        add(MOMENT, None, "moment (its part about the line of sight)");
+        page.entry(MOMENT, "moment (its part about the line of sight)");
     }
     if !input.loading.rods.is_empty() {
-        add(ROD, None, "rod");
+        page.entry(ROD, "rod");
     }
 }
 

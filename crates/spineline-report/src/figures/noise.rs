@@ -1,6 +1,6 @@
 //! Claims over landmark noise.
 
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{Axis, HeadingKind, Panel};
 use super::style::{BLACK, BLUE, GREEN, GREY, Ink, Marker, ORANGE, PURPLE, SKY, Shape, VERMILLION};
 
@@ -85,9 +85,7 @@ pub fn noise_study(
             .to_owned(),
     );
     for (i, scenario) in scenarios.iter().enumerate() {
-        let (ink, marker) = style(i);
-        let label = format!("{}: {}", scenario.name, scenario.meaning);
-        page.legend.push((Sample::Stroke(ink, Some(marker)), label));
+        page.entry(style(i), format!("{}: {}", scenario.name, scenario.meaning));
     }
     let last = rows.len().saturating_sub(1);
     page.rows = rows.iter().enumerate().map(|(i, row)| draw_row(row, &page, i == last)).collect();

@@ -1,6 +1,5 @@
 //! All postures of one patient side by side.
 
-use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmMovement};
 use spineline::spatial::Frontal;
 
@@ -8,7 +7,7 @@ use super::frontal::{
     Extent, VIEW, axes_of_row, drawn, extent_words, frontal_panel, gaps_px, has_scale, scale_note,
     support_note,
 };
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{HeadingKind, Panel};
 use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, action_ink};
 
@@ -33,20 +32,16 @@ pub fn case_overview(analysis: &Analysis) -> String {
         page.notes.push(support_note(analysis));
     }
     page.notes.extend(scale_note(analysis));
-    let midpoints = format!("vertebra midpoints, {}", extent_words(analysis));
-    page.legend.push((Sample::Marker(VERTEBRA), midpoints));
+    page.entry(VERTEBRA, format!("vertebra midpoints, {}", extent_words(analysis)));
     if movement.films.iter().any(|p| p.outline.interpolated().next().is_some()) {
-        let label = "not marked on this film, interpolated";
-        page.legend.push((Sample::Marker(INTERPOLATED), label.to_owned()));
+        page.entry(INTERPOLATED, "not marked on this film, interpolated");
     }
-    page.legend.push((Sample::Stroke(CURVE, None), "fitted curve".to_owned()));
+    page.entry(CURVE, "fitted curve");
     if movement.inflection_segments.is_some() {
-        let label = "inflections of the erect curve, where they lie in each posture";
-        page.legend.push((Sample::Marker(INFLECTION), label.to_owned()));
+        page.entry(INFLECTION, "inflections of the erect curve, where they lie in each posture");
     }
-    let kinds: Vec<LineKind> = analysis.models.iter().map(|model| model.kind).collect();
-    for kind in kinds {
-        page.legend.push((Sample::Stroke(action_ink(kind), None), kind.to_string()));
+    for model in &analysis.models {
+        page.entry(action_ink(model.kind), model.kind.to_string());
     }
     let axes = axes_of_row(movement.films.iter().map(|posture| has_scale(&posture.outline)));
     let (extents, px_per_mm) = scaled(analysis, page.inner_px() - gaps_px(&axes));

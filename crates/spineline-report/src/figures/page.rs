@@ -26,13 +26,31 @@ pub enum Sample {
     Fill(&'static str),
 }
 
+impl From<Ink> for Sample {
+    fn from(ink: Ink) -> Self {
+        Self::Stroke(ink, None)
+    }
+}
+
+impl From<(Ink, Marker)> for Sample {
+    fn from((ink, marker): (Ink, Marker)) -> Self {
+        Self::Stroke(ink, Some(marker))
+    }
+}
+
+impl From<Marker> for Sample {
+    fn from(marker: Marker) -> Self {
+        Self::Marker(marker)
+    }
+}
+
 /// A figure before it is drawn.
 #[derive(Debug, Clone)]
 pub struct Page {
     pub title: String,
     pub synthetic: bool,
     pub notes: Vec<String>,
-    pub legend: Vec<(Sample, String)>,
+    legend: Vec<(Sample, String)>,
     /// Panels from left to right, rows from top to bottom.
     pub rows: Vec<Vec<Panel>>,
     pub width_px: f64,
@@ -48,6 +66,11 @@ impl Page {
             rows: Vec::new(),
             width_px: PAGE_WIDTH_PX,
         }
+    }
+
+    /// Adds an entry to the legend.
+    pub fn entry(&mut self, sample: impl Into<Sample>, words: impl Into<String>) {
+        self.legend.push((sample.into(), words.into()));
     }
 
     /// Width that panels of one row may share.

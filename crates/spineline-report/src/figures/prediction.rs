@@ -37,12 +37,12 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
     let ink = Ink::new(action_ink(kind).colour, "", 1.6);
     let filled = Marker { radius_px: 2.4, ..Marker::new(Shape::Circle, ink.colour, true) };
     let dotted = Ink::new(GREY, "2 3", 1.4);
-    page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
-    page.legend.push((Sample::Stroke(ink, Some(filled)), format!("predicted, {kind}")));
-    page.legend.push((Sample::Fill(SKY), format!("95 % band, {kind}")));
-    page.legend.extend(
-        baseline.map(|one| (Sample::Stroke(dotted, None), format!("without mechanics: {one}"))),
-    );
+    page.entry(MEASURED, "measured");
+    page.entry((ink, filled), format!("predicted, {kind}"));
+    page.entry(Sample::Fill(SKY), format!("95 % band, {kind}"));
+    if let Some(baseline) = baseline {
+        page.entry(dotted, format!("without mechanics: {baseline}"));
+    }
     let measured = |film: &ComparedFilm| -> Vec<Frontal> {
         let posture = analysis.movement.film(film.posture);
         posture.map(|p| p.outline.locations().collect()).unwrap_or_default()

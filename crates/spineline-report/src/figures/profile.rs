@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, LineModel};
 use spineline::personalize::{Identifiability, Profile};
 
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{Axis, HeadingKind, Panel};
 use super::style::{BLACK, BLUE, GREEN, GREY, Ink, Marker, ORANGE, PURPLE, SKY, Shape, VERMILLION};
 
@@ -27,13 +27,10 @@ pub fn profiles(analysis: &Analysis, found: &[Option<Identifiability>]) -> Optio
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push("Everything else is fitted anew at every value. Below the dashed limit lie the values that the films allow with 95 % confidence if the model is exact.".to_owned());
     for (group, name) in first.groups.titles().enumerate() {
-        page.legend.push((Sample::Stroke(ink(group), Some(marker(group))), name));
+        page.entry((ink(group), marker(group)), name);
     }
-    page.legend.push((
-        Sample::Stroke(LIMIT, None),
-        "limit of the 95 % interval if the model is exact".to_owned(),
-    ));
-    page.legend.push((Sample::Stroke(FIT, None), "the fit".to_owned()));
+    page.entry(LIMIT, "limit of the 95 % interval if the model is exact");
+    page.entry(FIT, "the fit");
     let width_px = page.inner_px() / models.len() as f64 - 92.0;
     let points =
         || models.iter().flat_map(|(_, f)| &f.multipliers).flat_map(|one| &one.profile.points);

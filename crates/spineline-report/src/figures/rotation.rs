@@ -5,7 +5,7 @@ use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
 use spineline::motion::{LEAST_SEGMENT_WINDOWS, Motion};
 
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{Axis, Panel};
 use super::style::{BLACK, Ink, Marker, TICK_PX, nice_step, posture_style, text, text_width_px};
 
@@ -39,8 +39,7 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
     }
     for (posture, _) in &motions {
         let (ink, shape) = posture_style(*posture);
-        let marker = Marker::new(shape, ink.colour, false);
-        page.legend.push((Sample::Stroke(ink, Some(marker)), posture.to_string()));
+        page.entry((ink, Marker::new(shape, ink.colour, false)), posture.to_string());
     }
     let mut panel = empty_panel(&motions, page.inner_px(), movement.levels().base());
     for (posture, motion) in &motions {
@@ -51,8 +50,7 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
         panel.layer(&posture.to_string(), [curve]);
     }
     if let Some(segments) = movement.inflection_segments {
-        let sample = Sample::Stroke(INFLECTION, None);
-        page.legend.push((sample, "inflection segments of the erect curve".to_owned()));
+        page.entry(INFLECTION, "inflection segments of the erect curve");
         mark_inflections(&mut panel, analysis, segments);
     }
     // Drawn last, so that curves do not hide the markers.

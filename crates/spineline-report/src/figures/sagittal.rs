@@ -5,7 +5,7 @@ use spineline::analysis::{Analysis, ProfileVertebra, TemplateError};
 use spineline::anatomy::Level;
 
 use super::frontal::has_scale;
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{Axis, HeadingKind, Panel};
 use super::style::{
     BLUE, GREY, Ink, Marker, SKY, Shape, TICK_PX, VERMILLION, nice_step, text_width_px,
@@ -31,11 +31,9 @@ pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push(found.words(movement.scale()));
     let marker = Marker::new(Shape::Circle, BLUE, true);
-    page.legend = vec![
-        (Sample::Stroke(MEASURED, Some(marker)), "from both films".to_owned()),
-        (Sample::Stroke(INTERVAL, None), "95 % interval".to_owned()),
-        (Sample::Stroke(TEMPLATE, None), "population, without the lateral film".to_owned()),
-    ];
+    page.entry((MEASURED, marker), "from both films");
+    page.entry(INTERVAL, "95 % interval");
+    page.entry(TEMPLATE, "population, without the lateral film");
     let mut row = Vec::new();
     let mut width_px = page.inner_px() - 92.0;
     if has_scale(&movement.erect().outline) {
@@ -78,10 +76,8 @@ pub fn sagittal_profiles(found: &[(&Analysis, TemplateError)]) -> Option<String>
         "Left: pitch of every vertebra from both films, flexion positive, one line per patient. Right: error of the profile of a population."
             .to_owned(),
     );
-    page.legend = vec![
-        (Sample::Stroke(ONE, None), "a patient".to_owned()),
-        (Sample::Stroke(TEMPLATE, None), "population, mean over these patients".to_owned()),
-    ];
+    page.entry(ONE, "a patient");
+    page.entry(TEMPLATE, "population, mean over these patients");
     let levels = Level::MODEL;
     let width_px = 0.5 * page.inner_px() - 92.0;
     let errors = || found.iter().map(|(_, error)| error);

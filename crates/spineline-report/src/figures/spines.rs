@@ -8,7 +8,7 @@ use spineline::number::fixed;
 use spineline::spatial::Frontal;
 
 use super::frontal::{Extent, VIEW, extent_words, frontal_panel, support_note};
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{HeadingKind, Panel};
 use super::style::{
     BLACK, BLUE, GREEN, Ink, Marker, ORANGE, PURPLE, SHAPES, Shape, VERMILLION, action_ink,
@@ -20,6 +20,8 @@ const TALL_PX: f64 = 540.0;
 /// How measured spines are drawn.
 pub const MEASURED: (Ink, Marker) =
     (Ink::new(BLACK, "", 1.0), Marker::new(Shape::Circle, BLACK, false));
+
+const LINE: Ink = Ink::new(BLACK, "7 4", 1.0);
 
 /// One panel per line of action: the measured spine of a posture and the simulated one, like figure 9 of the paper.
 ///
@@ -37,7 +39,7 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push(format!("{VIEW} Circles: vertebra midpoints, {}.", extent_words(analysis)));
     page.notes.push(support_note(analysis));
-    page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
+    page.entry(MEASURED, "measured");
     let extent = extent_of(&measured, shown.iter().map(|(_, simulation)| *simulation));
     let room_px = 84.0 + 18.0 * (shown.len() as f64 - 1.0);
     let cell_px = (page.inner_px() - room_px) / shown.len() as f64;
@@ -49,12 +51,11 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
         let ink = action_ink(model.kind);
         let filled = Marker::new(Shape::Circle, ink.colour, true);
         let solid = Ink::new(ink.colour, "", 1.6);
-        page.legend
-            .push((Sample::Stroke(solid, Some(filled)), format!("simulated, {}", model.kind)));
+        page.entry((solid, filled), format!("simulated, {}", model.kind));
         let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
         panel.y_written = panels.is_empty();
         head(&mut panel, model.kind, simulation, alarm);
-        panel.action(&simulation.line, Ink::new(BLACK, "7 4", 1.0));
+        panel.action(&simulation.line, LINE);
         panel.end_levels(&measured, analysis.movement.levels());
         // The simulated spine above the measured one, smaller, so that both are seen where they agree.
         let marker = Marker { radius_px: 5.0, ..MEASURED.1 };
@@ -62,8 +63,7 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
         panel.spine(&simulation.shape.locations, solid, Marker { radius_px: 2.8, ..filled });
         panels.push(panel);
     }
-    let sample = Sample::Stroke(Ink::new(BLACK, "7 4", 1.0), None);
-    page.legend.push((sample, "line of action".to_owned()));
+    page.entry(LINE, "line of action");
     page.rows.push(panels);
     Some(page.into_svg())
 }
@@ -126,14 +126,13 @@ pub fn force_path(
     let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
     let line = analysis.model(kind).and_then(|m| m.simulation(posture));
     if let Some(simulation) = line {
-        let ink = Ink::new(BLACK, "7 4", 1.0);
-        panel.action(&simulation.line, ink);
-        page.legend.push((Sample::Stroke(ink, None), "line of action".to_owned()));
+        panel.action(&simulation.line, LINE);
+        page.entry(LINE, "line of action");
     }
     if !measured.is_empty() {
         panel.end_levels(&measured, analysis.movement.levels());
         panel.spine(&measured, MEASURED.0, Marker { radius_px: 5.0, ..MEASURED.1 });
-        page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
+        page.entry(MEASURED, "measured");
     }
     let colours = [GREEN, ORANGE, BLUE, VERMILLION, PURPLE];
     for (i, (force, locations)) in shapes.iter().enumerate() {
@@ -144,8 +143,7 @@ pub fn force_path(
             Marker { radius_px: 3.6, ..Marker::new(SHAPES[i % SHAPES.len()], colour, filled) };
         let ink = Ink::new(colour, "", 1.2);
         panel.spine(locations, ink, marker);
-        let words = format!("{} {force_unit}", fixed(*force, 2));
-        page.legend.push((Sample::Stroke(ink, Some(marker)), words));
+        page.entry((ink, marker), format!("{} {force_unit}", fixed(*force, 2)));
     }
     page.rows.push(vec![panel]);
     page.into_svg()

@@ -9,7 +9,7 @@ use spineline::spatial::Frontal;
 use super::arrows::arrow;
 use super::films::{BODY, Displayed};
 use super::frontal::{Extent, VIEW, drawn, frontal_panel};
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{HeadingKind, Panel};
 use super::style::{BLACK, Ink, Marker, Shape, posture_style};
 
@@ -79,20 +79,13 @@ pub fn functional_unit(case: &Case, analysis: &Analysis) -> Option<String> {
          negative: with the bend. {lower}'s superior centre is at the origin.",
         against[0], against[1]
     ));
-    page.legend = legend();
+    page.entry(INFERIOR, "inferior centre");
+    for posture in FILMS {
+        page.entry(style(posture), format!("superior centre, {posture}"));
+    }
+    page.entry(BODY, "marked corners, every reading");
     page.rows = panels(&units, levels, page.inner_px());
     Some(page.into_svg())
-}
-
-fn legend() -> Vec<(Sample, String)> {
-    let superior = FILMS.map(|posture| {
-        let (ink, marker) = style(posture);
-        (Sample::Stroke(ink, Some(marker)), format!("superior centre, {posture}"))
-    });
-    let mut entries = vec![(Sample::Marker(INFERIOR), "inferior centre".to_owned())];
-    entries.extend(superior);
-    entries.push((Sample::Stroke(BODY, None), "marked corners, every reading".to_owned()));
-    entries
 }
 
 fn style(posture: Posture) -> (Ink, Marker) {

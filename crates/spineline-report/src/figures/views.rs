@@ -6,7 +6,7 @@ use spineline::response::erect_shape;
 use spineline::spatial::{Angle, Frontal, Vec3};
 
 use super::frontal::{Extent, extent_words, frontal_panel, has_scale};
-use super::page::{Page, Sample};
+use super::page::Page;
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{GREY, Ink, posture_style};
 use crate::document::{Space, SpaceLayer};
@@ -77,7 +77,7 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
         analysis.profile_words()
     ));
     for shape in &shapes {
-        page.legend.push((Sample::Stroke(shape.ink, None), shape.name.clone()));
+        page.entry(shape.ink, shape.name.clone());
     }
     let extents = View::ALL.map(|view| {
         let points = shapes.iter().flat_map(|shape| shape.lines.iter().flatten());
