@@ -6,12 +6,10 @@ use spineline::number::fixed;
 use spineline::spatial::Frontal;
 
 use super::arrows::arrow;
-use super::frontal::{Extent, VIEW, drawn, frontal_panel};
+use super::frontal::{Extent, INFLECTION, VIEW, drawn, frontal_panel};
 use super::page::Page;
 use super::panel::{Axis, HeadingKind, Panel, Ticks};
-use super::style::{
-    BLACK, GREEN, GREY, Ink, Marker, ORANGE, Shape, TICK_PX, VERMILLION, nice_step, text,
-};
+use super::style::{BLACK, GREEN, GREY, Ink, Marker, Shape, TICK_PX, VERMILLION, nice_step, text};
 
 const TALL_PX: f64 = 520.0;
 /// Segments that are drawn one by one.
@@ -20,7 +18,6 @@ const NEAR: usize = 4;
 const EVERY: usize = 100;
 const LINK: Ink = Ink::new(GREY, "", 2.2);
 const JOINT: Marker = Marker { radius_px: 4.0, ..Marker::new(Shape::Circle, BLACK, false) };
-const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond, ORANGE, true) };
 /// The axes of a frame: the first along the link, or the patient's left.
 const AXES: [Ink; 2] = [Ink::new(VERMILLION, "", 1.8), Ink::new(GREEN, "", 1.8)];
 

@@ -8,10 +8,10 @@ use spineline::measure::{Film, FilmFrame, FilmLandmarks, Outline, VertebraLandma
 use spineline::spatial::{Frontal, Pixel};
 
 use super::frontal::{
-    Extent, VIEW, axes_of_row, drawn, frame_px, frontal_panel, has_scale, scale_note,
+    Extent, VIEW, axes_of_row, drawn, film_panel, fitted_curve, frame_px, scale_note,
 };
 use super::page::Page;
-use super::panel::{HeadingKind, Panel, Picture};
+use super::panel::{Panel, Picture};
 use super::style::{
     BLACK, GREY, Ink, Marker, ORANGE, PAGE_WIDTH_PX, Shape, VERMILLION, action_ink,
 };
@@ -83,10 +83,6 @@ impl<'a> Displayed<'a> {
         LineOfAction { point: from, direction, application: line.application }
     }
 
-    fn has_scale(&self) -> bool {
-        has_scale(self.outline)
-    }
-
     pub fn marks(&self) -> impl Iterator<Item = (&'a Level, &'a VertebraLandmarks)> {
         let readings = self.film.landmarks.corner_readings();
         readings.iter().flat_map(|reading| &reading.vertebrae)
@@ -143,19 +139,14 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
     page.width_px = arrangement.page_px;
     let rows: Vec<_> = displayed.chunks(arrangement.per_row).collect();
     let axes: Vec<Vec<bool>> =
-        rows.iter().map(|row| axes_of_row(row.iter().map(|(film, _)| film.has_scale()))).collect();
+        rows.iter().map(|row| axes_of_row(row.iter().map(|(film, _)| film.outline))).collect();
     let widths = axes.iter().map(|axes| frame_px(page.inner_px(), axes, arrangement.per_row));
     let wide_px = widths.fold(f64::INFINITY, f64::min);
     let frames = Frames::of(&displayed, [wide_px, arrangement.tall_px]);
     for (row, axes) in rows.into_iter().zip(axes) {
         let panel = |(shown, written): (&(Displayed<'_>, &FilmMovement), bool)| {
             let (film, posture) = shown;
-            let mut panel = frames.panel(film);
-            panel.y_written = written;
-            panel.heading(HeadingKind::Title, film.outline.posture.to_string());
-            if !film.has_scale() {
-                panel.without_scale();
-            }
+            let mut panel = frames.panel(film, written);
             let picture = pictures.iter().find(|p| p.posture == film.outline.posture);
             panel.picture = picture.and_then(|picture| placed(&panel, film, picture));
             fill(&mut panel, film, analysis, posture);
@@ -201,10 +192,10 @@ impl Frames {
         Self { z_mm: all.z_mm, wide_mm: wide_px / px_per_mm, px_per_mm }
     }
 
-    fn panel(&self, film: &Displayed<'_>) -> Panel {
+    fn panel(&self, film: &Displayed<'_>, y_written: bool) -> Panel {
         let mut extent = film.extent().at_least_wide(self.wide_mm);
         extent.z_mm = self.z_mm;
-        frontal_panel(extent, self.px_per_mm, film.outline.levels().base())
+        film_panel(film.outline, extent, self.px_per_mm, y_written)
     }
 }
 
@@ -238,10 +229,7 @@ fn fill(panel: &mut Panel, film: &Displayed<'_>, analysis: &Analysis, posture: &
     for model in &analysis.models {
         line_layer(panel, film, model.kind, posture, analysis);
     }
-    let curve = &posture.fit.curve;
-    let samples = 160;
-    let on_curve = |i: i32| at(curve.point(curve.end_mm() * f64::from(i) / f64::from(samples)));
-    let trace = panel.trace(CURVE, (0..=samples).map(on_curve));
+    let trace = panel.trace(CURVE, fitted_curve(posture).map(at));
     panel.layer("fitted curve", [trace]);
     let marker = |panel: &Panel, marker: Marker, place: (f64, f64)| {
         let (x, y) = panel.px(place.0, place.1);

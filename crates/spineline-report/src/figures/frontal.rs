@@ -2,16 +2,20 @@
 
 use kuva::render::render::{Primitive, TextAnchor};
 use spineline::action::LineOfAction;
-use spineline::analysis::Analysis;
+use spineline::analysis::{Analysis, FilmMovement};
 use spineline::anatomy::{Level, Levels};
 use spineline::measure::Outline;
 use spineline::spatial::Frontal;
 
-use super::panel::{Axis, Panel, Ticks};
-use super::style::{BLACK, Ink, Marker, TICK_PX, WHITE, bold};
+use super::panel::{Axis, HeadingKind, Panel, Ticks};
+use super::style::{BLACK, Ink, Marker, ORANGE, Shape, TICK_PX, WHITE, bold};
 
 /// The side from which one looks, said on every frontal picture.
 pub const VIEW: &str = "Seen from behind: the patient's left (L) is on the left of the picture.";
+
+/// How inflections are drawn on a spine.
+pub const INFLECTION: Marker =
+    Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond, ORANGE, true) };
 
 /// The support of the model, which changes every simulated shape.
 pub fn support_note(analysis: &Analysis) -> String {
@@ -98,11 +102,12 @@ pub fn scale_note(analysis: &Analysis) -> Option<String> {
     (!all).then(|| words.to_owned())
 }
 
-/// Which panels of a row write their vertical axis: the first, and every one that has a scale where the one before it has
-/// none, or the reverse.
-pub fn axes_of_row(scaled: impl IntoIterator<Item = bool>) -> Vec<bool> {
+/// Which panels of a row of films write their vertical axis: the first, and every one that has a scale where the one
+/// before it has none, or the reverse.
+pub fn axes_of_row<'a>(films: impl IntoIterator<Item = &'a Outline>) -> Vec<bool> {
     let mut before = None;
-    scaled.into_iter().map(|scaled| before.replace(scaled) != Some(scaled)).collect()
+    let scaled = films.into_iter().map(has_scale);
+    scaled.map(|scaled| before.replace(scaled) != Some(scaled)).collect()
 }
 
 /// Width between the frames of a row, without and with a written vertical axis.
@@ -119,14 +124,25 @@ pub fn frame_px(row_px: f64, axes: &[bool], most: usize) -> f64 {
     (row_px - gaps_px(axes) - empty_px) / most.max(1) as f64
 }
 
-impl Panel {
-    /// Removes the numbers from the axes of a film without a spacing: its scale is unknown.
-    pub fn without_scale(&mut self) {
-        for axis in [&mut self.x, &mut self.y] {
+/// Places on the fitted curve of a film, from its lower to its upper end.
+pub fn fitted_curve(film: &FilmMovement) -> impl Iterator<Item = Frontal> {
+    const SAMPLES: i32 = 160;
+    let curve = &film.fit.curve;
+    (0..=SAMPLES).map(move |i| curve.point(curve.end_mm() * f64::from(i) / f64::from(SAMPLES)))
+}
+
+/// An empty panel of a film under the name of its posture. Where the film has no scale, its axes have no numbers.
+pub fn film_panel(film: &Outline, extent: Extent, px_per_mm: f64, y_written: bool) -> Panel {
+    let mut panel = frontal_panel(extent, px_per_mm, film.levels().base());
+    panel.y_written = y_written;
+    panel.heading(HeadingKind::Title, film.posture.to_string());
+    if !has_scale(film) {
+        for axis in [&mut panel.x, &mut panel.y] {
             axis.label = axis.label.replace("(mm)", "(no scale)");
             axis.ticks = Ticks::Blank;
         }
     }
+    panel
 }
 
 /// An empty panel of an extent at a scale; heights are measured from the base.

@@ -7,18 +7,17 @@ use spineline::personalize::Crossing;
 use spineline::spatial::Frontal;
 
 use super::frontal::{
-    Extent, VIEW, axes_of_row, drawn, frame_px, frontal_panel, has_scale, scale_note,
+    Extent, INFLECTION, VIEW, axes_of_row, drawn, film_panel, frame_px, scale_note,
 };
 use super::page::Page;
 use super::panel::{HeadingKind, Panel};
-use super::style::{BLACK, GREY, Ink, Marker, ORANGE, PURPLE, Shape, action_ink};
+use super::style::{BLACK, GREY, Ink, Marker, PURPLE, Shape, action_ink};
 
 const TALL_PX: f64 = 460.0;
 const SPINE: (Ink, Marker) = (
     Ink::new(GREY, "", 1.6),
     Marker { radius_px: 2.8, ..Marker::new(Shape::Circle, BLACK, false) },
 );
-const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond, ORANGE, true) };
 const BEST_FIT: Ink = Ink::new(PURPLE, "", 1.8);
 const INTERVAL: Ink = Ink::new(PURPLE, "", 4.0);
 
@@ -44,7 +43,7 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
     });
     page.notes.extend(scale_note(analysis));
     legend(&mut page, through, best_fit);
-    let axes = axes_of_row(moved.iter().map(|p| has_scale(&p.outline)));
+    let axes = axes_of_row(moved.iter().map(|p| &p.outline));
     let wide_px = frame_px(page.inner_px(), &axes, moved.len());
     let extents: Vec<Extent> = moved.iter().map(|p| Extent::of(p.outline.locations())).collect();
     let all = extents.iter().copied().reduce(Extent::union).expect("a film was moved");
@@ -52,11 +51,7 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
     let panels = moved.iter().zip(extents).zip(axes).map(|((posture, mut extent), written)| {
         extent.z_mm = all.z_mm;
         let extent = extent.at_least_wide(wide_px / px_per_mm);
-        let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
-        panel.y_written = written;
-        if !has_scale(&posture.outline) {
-            panel.without_scale();
-        }
+        let mut panel = film_panel(&posture.outline, extent, px_per_mm, written);
         fill(&mut panel, posture, best_fit);
         panel
     });
@@ -79,7 +74,6 @@ fn legend(page: &mut Page, through: bool, best_fit: bool) {
 
 /// One posture; `tested` says whether any film of the figure has a line of best fit.
 fn fill(panel: &mut Panel, posture: &FilmMovement, tested: bool) {
-    panel.heading(HeadingKind::Title, posture.outline.posture.to_string());
     let best_fit = posture.best_fit_line.as_ref();
     if tested {
         let test = best_fit.and_then(|line| line.inflection);

@@ -4,12 +4,12 @@ use spineline::analysis::{Analysis, FilmMovement};
 use spineline::spatial::Frontal;
 
 use super::frontal::{
-    Extent, VIEW, axes_of_row, drawn, extent_words, frontal_panel, gaps_px, has_scale, scale_note,
-    support_note,
+    Extent, INFLECTION, VIEW, axes_of_row, drawn, extent_words, film_panel, fitted_curve, gaps_px,
+    scale_note, support_note,
 };
 use super::page::Page;
-use super::panel::{HeadingKind, Panel};
-use super::style::{BLACK, GREY, Ink, Marker, ORANGE, Shape, action_ink};
+use super::panel::Panel;
+use super::style::{BLACK, GREY, Ink, Marker, Shape, action_ink};
 
 /// Narrowest panel, so that its heading fits.
 const NARROW_PX: f64 = 114.0;
@@ -18,7 +18,6 @@ const TALL_PX: f64 = 520.0;
 const CURVE: Ink = Ink::new(GREY, "", 2.2);
 const VERTEBRA: Marker = Marker { radius_px: 3.2, ..Marker::new(Shape::Circle, BLACK, false) };
 const INTERPOLATED: Marker = Marker { radius_px: 3.6, ..Marker::new(Shape::Square, GREY, false) };
-const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond, ORANGE, true) };
 
 /// The films of one patient at one scale: vertebrae, fitted curve, inflections and lines of action.
 #[must_use]
@@ -43,15 +42,11 @@ pub fn case_overview(analysis: &Analysis) -> String {
     for model in &analysis.models {
         page.entry(action_ink(model.kind), model.kind.to_string());
     }
-    let axes = axes_of_row(movement.films.iter().map(|posture| has_scale(&posture.outline)));
+    let axes = axes_of_row(movement.films.iter().map(|posture| &posture.outline));
     let (extents, px_per_mm) = scaled(analysis, page.inner_px() - gaps_px(&axes));
     let mut panels: Vec<Panel> = Vec::new();
     for ((posture, extent), written) in movement.films.iter().zip(extents).zip(axes) {
-        let mut panel = frontal_panel(extent, px_per_mm, base);
-        panel.y_written = written;
-        if !has_scale(&posture.outline) {
-            panel.without_scale();
-        }
+        let mut panel = film_panel(&posture.outline, extent, px_per_mm, written);
         fill(&mut panel, analysis, posture);
         panels.push(panel);
     }
@@ -87,17 +82,12 @@ fn extents(analysis: &Analysis, least_mm: f64) -> Vec<Extent> {
 }
 
 fn fill(panel: &mut Panel, analysis: &Analysis, posture: &FilmMovement) {
-    let name = posture.outline.posture;
-    panel.heading(HeadingKind::Title, name.to_string());
     for model in &analysis.models {
-        if let Some(simulation) = model.simulation(name) {
+        if let Some(simulation) = model.simulation(posture.outline.posture) {
             panel.action(&simulation.line, action_ink(model.kind));
         }
     }
-    let curve = &posture.fit.curve;
-    let samples = 160;
-    let at = |i: i32| drawn(curve.point(curve.end_mm() * f64::from(i) / f64::from(samples)));
-    panel.curves.push((CURVE, (0..=samples).map(at).collect()));
+    panel.curves.push((CURVE, fitted_curve(posture).map(drawn).collect()));
     let locations: Vec<Frontal> = posture.outline.locations().collect();
     panel.end_levels(&locations, analysis.movement.levels());
     panel.points(VERTEBRA, posture.outline.measured().map(|(_, v)| drawn(v.location)));
