@@ -6,8 +6,8 @@ use spineline::evaluate::Baseline;
 use spineline::hypothesis::{Hypothesis, HypothesisComparison, HypothesisScores, Role, compare};
 use spineline::number::{fixed, signed};
 
-use crate::document::{Column, Section, Table};
-use crate::phrases::{none, with_interval};
+use crate::document::{Section, Table};
+use crate::phrases::{mean_difference, none};
 
 const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings the top near. With prior: the same with the most probable load for the location of the top and the distribution of joint rotations. With tilt: the same with the tilt of the top. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction (no equilibrium, or a shape beyond the human range of motion) and fits without a result.";
 
@@ -58,28 +58,23 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
     let mut hypotheses: Vec<Hypothesis> = tests().map(|test| test.model).collect();
     hypotheses.dedup();
     let best = baselines.best(role)?;
-    let columns = [Column::words("Load and base")].into_iter();
-    let columns = columns.chain(against.iter().map(|baseline| Column::words(baseline.to_string())));
-    let mut table = Table::new(
-        format!("Loads and bases less predictions without mechanics, {role} (mm, 95 %)"),
-        columns.collect(),
-    );
-    for hypothesis in &hypotheses {
-        let cell = |baseline: &Baseline| {
-            let found = tests().find(|t| t.model == *hypothesis && t.baseline == *baseline);
-            found.map_or_else(none, |test| {
-                let c = &test.comparison;
-                let mark = match test.outcome() {
-                    ComparisonOutcome::Better => ", better",
-                    ComparisonOutcome::Worse => ", worse",
-                    ComparisonOutcome::NoDifference | ComparisonOutcome::NotTested => "",
-                };
-                with_interval(c.mean_difference, c.bootstrap, 1) + mark
-            })
-        };
-        let cells = against.iter().map(cell);
-        table.row([hypothesis.to_string()].into_iter().chain(cells).collect());
-    }
+    let caption = format!("Loads and bases less predictions without mechanics, {role} (mm, 95 %)");
+    let mut table = Table::of(caption, &hypotheses, |add| {
+        add.words("Load and base", |hypothesis| hypothesis.to_string());
+        for baseline in against {
+            add.words(baseline.to_string(), |hypothesis| {
+                let found = tests().find(|t| t.model == **hypothesis && t.baseline == baseline);
+                found.map_or_else(none, |test| {
+                    let mark = match test.outcome() {
+                        ComparisonOutcome::Better => ", better",
+                        ComparisonOutcome::Worse => ", worse",
+                        ComparisonOutcome::NoDifference | ComparisonOutcome::NotTested => "",
+                    };
+                    mean_difference(&test.comparison) + mark
+                })
+            });
+        }
+    });
     table.note = format!(
         "Location error, load minus prediction, on the films that both predict: below zero, the load is better. Where the prediction knows the tilt of the top, the load does too; its distribution of rotations is the published one, or the given one. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
         best.baseline,

@@ -2,6 +2,7 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, FreeNumbers};
+use spineline::cohort::{Clustered, PairedComparison};
 
 pub use spineline::number::none;
 use spineline::number::{fixed, interval};
@@ -72,6 +73,16 @@ pub fn no_model(analysis: &Analysis) -> String {
 /// How a film gets a scale.
 pub const GIVE_SCALE: &str =
     "A pixel spacing, or a ball or ruler of known size on the film, gives a scale.";
+
+/// The mean over patients with its 95 % interval.
+pub(crate) fn over_patients(found: &Clustered, places: usize) -> String {
+    with_interval(found.patients.mean, found.bootstrap, places)
+}
+
+/// The mean difference over patients with its 95 % interval.
+pub(crate) fn mean_difference(found: &PairedComparison) -> String {
+    with_interval(found.mean_difference, found.bootstrap, 1)
+}
 
 /// A mean with its 95 % interval over patients.
 pub(crate) fn with_interval(mean: f64, ends: Option<[f64; 2]>, places: usize) -> String {

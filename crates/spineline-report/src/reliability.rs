@@ -4,6 +4,7 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Remark, Statistic, StatisticKind,
     shown_measure,
 };
+use spineline::warning::counted;
 
 use crate::document::{Column, Document, Notice, NoticeKind, Section, Table};
 use crate::phrases::none;
@@ -58,50 +59,44 @@ fn document(section: Section, quantities: usize, synthetic: bool, generator: &st
 
 /// One row per quantity, by single readings of the observers, or else by the repeats of one.
 pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
-    let columns = vec![
-        Column::words("Quantity"),
-        Column::words("Compared"),
-        Column::numbers("Subjects"),
-        Column::words("SEM (95 %)"),
-        Column::numbers("MDC95"),
-        Column::words("ICC(A,1) (95 %)"),
-        Column::numbers("r"),
-    ];
-    let mut table = Table::new("Reliability of one reading", columns);
-    for quantity in found {
-        let rank = |design: &&DesignReliability| match design.design {
-            Design::InterObserverSingle { .. } => 0,
-            Design::InterObserverMeans => 1,
-            Design::IntraObserver { .. } => 2,
-        };
-        let sem = StatisticKind::SemAgreement;
-        let of = |design: &DesignReliability, kind| {
-            let mut all = design.statistics.iter();
-            let (value, interval) = all.find(|one| one.kind == kind)?.shown();
-            value.map(|value| (value, interval))
-        };
+    let of = |design: &DesignReliability, kind| {
+        let mut all = design.statistics.iter();
+        let (value, interval) = all.find(|one| one.kind == kind)?.shown();
+        value.map(|value| (value, interval))
+    };
+    let with_interval = |design: &DesignReliability, kind| match of(design, kind) {
+        Some((value, interval)) => format!("{value} ({interval})"),
+        None => none(),
+    };
+    let value =
+        |design: &DesignReliability, kind| of(design, kind).map_or_else(none, |(value, _)| value);
+    let rank = |design: &&DesignReliability| match design.design {
+        Design::InterObserverSingle { .. } => 0,
+        Design::InterObserverMeans => 1,
+        Design::IntraObserver { .. } => 2,
+    };
+    let sem = StatisticKind::SemAgreement;
+    let rows = found.iter().filter_map(|quantity| {
         let known = quantity.designs.iter().filter(|design| of(design, sem).is_some());
-        let Some(design) = known.min_by_key(rank) else { continue };
-        let with_interval = |kind| match of(design, kind) {
-            Some((value, interval)) => format!("{value} ({interval})"),
-            None => none(),
-        };
-        let compared = match &design.design {
+        Some((quantity, known.min_by_key(rank)?))
+    });
+    let mut table = Table::of("Reliability of one reading", rows, |add| {
+        add.words("Quantity", |(quantity, _)| {
+            format!("{} ({})", quantity.key.replace('_', " "), quantity.unit)
+        });
+        add.words("Compared", |(_, design)| match &design.design {
             Design::InterObserverSingle { .. } => "observers".to_owned(),
             Design::InterObserverMeans => "means of observers".to_owned(),
             Design::IntraObserver { observer } => format!("repeats of {observer}"),
-        };
-        let value = |kind| of(design, kind).map_or_else(none, |(value, _)| value);
-        table.row(vec![
-            format!("{} ({})", quantity.key.replace('_', " "), quantity.unit),
-            compared,
-            design.subjects.to_string(),
-            with_interval(sem),
-            value(StatisticKind::Mdc95Agreement),
-            with_interval(StatisticKind::IccAgreement),
-            value(StatisticKind::Pearson),
-        ]);
-    }
+        });
+        add.numbers("Subjects", |(_, design)| design.subjects.to_string());
+        add.words("SEM (95 %)", |(_, design)| with_interval(design, sem));
+        add.numbers("MDC95", |(_, design)| value(design, StatisticKind::Mdc95Agreement));
+        add.words("ICC(A,1) (95 %)", |(_, design)| {
+            with_interval(design, StatisticKind::IccAgreement)
+        });
+        add.numbers("r", |(_, design)| value(design, StatisticKind::Pearson));
+    });
     table.note = format!("MDC95: smallest real change of one reading. r: Pearson. {NOTE}");
     let mut remarks = found.iter().flat_map(|one| &one.designs).flat_map(|one| &one.remarks);
     if let Some(left_out) = remarks.find(|remark| matches!(remark, Remark::InPixels { .. })) {
@@ -120,10 +115,6 @@ fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {
         section.paragraph(format!("{caption}: undefined: {reason}"));
         return;
     }
-    let counted = |count: usize, word: &str| match count {
-        1 => format!("1 {word}"),
-        _ => format!("{count} {word}s"),
-    };
     let n = [counted(design.subjects, "subject"), counted(design.raters.len(), "rater")];
     let columns = vec![
         Column::words("Statistic"),

@@ -1,13 +1,13 @@
 //! A learned distribution of joint rotations as a document.
 
-use spineline::cohort::{Clustered, LearnedRotations};
+use spineline::cohort::LearnedRotations;
 use spineline::evaluate::{PriorSource, RotationPrior};
 use spineline::number::fixed;
 use spineline::spatial::Angle;
 use spineline::warning::counted;
 
-use crate::document::{Column, Document, Section, Table};
-use crate::phrases::{none, with_interval};
+use crate::document::{Document, Section, Table};
+use crate::phrases::{none, over_patients};
 
 /// The rotations of the joints, and the errors on patients who were left out; a terminal shows it.
 #[must_use]
@@ -58,23 +58,21 @@ fn joints(prior: &RotationPrior) -> Table {
 }
 
 fn errors(learned: &LearnedRotations) -> Table {
-    let columns = vec![
-        Column::words("Prediction from"),
-        Column::numbers("Patients"),
-        Column::words("Location error (mm, 95 %)"),
+    let rows = [
+        ("location of the top vertebra", learned.from_location_mm),
+        ("location and tilt of the top vertebra", learned.with_tilt_mm),
+        (
+            "location and tilt of the top vertebra, published mobility instead of other patients",
+            learned.published_with_tilt_mm,
+        ),
     ];
-    let mut table = Table::new("Bends of patients who were left out", columns);
-    let mut row = |what: &str, errors: &Clustered| {
-        let error = with_interval(errors.patients.mean, errors.bootstrap, 1);
-        let error = if errors.patients.n == 0 { none() } else { error };
-        table.row(vec![what.to_owned(), errors.patients.n.to_string(), error]);
-    };
-    row("location of the top vertebra", &learned.from_location_mm);
-    row("location and tilt of the top vertebra", &learned.with_tilt_mm);
-    row(
-        "location and tilt of the top vertebra, published mobility instead of other patients",
-        &learned.published_with_tilt_mm,
-    );
+    let mut table = Table::of("Bends of patients who were left out", rows, |add| {
+        add.words("Prediction from", |(what, _)| *what);
+        add.numbers("Patients", |(_, errors)| errors.patients.n.to_string());
+        add.words("Location error (mm, 95 %)", |(_, errors)| {
+            if errors.patients.n == 0 { none() } else { over_patients(errors, 1) }
+        });
+    });
     table.note = "Without mechanics. The scale of every film is fitted too. A line of action uses only the location of the top vertebra.".to_owned();
     table
 }

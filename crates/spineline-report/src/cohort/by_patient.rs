@@ -9,7 +9,7 @@ use spineline::hypothesis::HypothesisScores;
 use spineline::number::fixed;
 
 use super::people::curve_size;
-use crate::document::{Column, NoticeKind, Section, Table};
+use crate::document::{NoticeKind, Section, Table};
 use crate::patient;
 use crate::phrases::{LINES, none, sentence_case};
 
@@ -69,6 +69,10 @@ impl PatientRow {
         }
     }
 
+    fn model(&self, kind: LineKind) -> Option<&ModelRow> {
+        self.models.iter().find(|model| model.kind == kind)
+    }
+
     /// Fits of other loads and bases; empty where they were not requested.
     pub(crate) fn hypotheses(&self) -> (bool, &[HypothesisScores]) {
         (self.synthetic, &self.hypotheses)
@@ -105,78 +109,57 @@ pub fn outcomes(patients: &[PatientRow], most: usize) -> Table {
         .flat_map(|patient| patient.models.iter().map(|model| model.kind))
         .filter(|&kind| kind != LineKind::Estimated)
         .collect();
-    let mut columns = vec![Column::words("Patient"), Column::numbers("Main Cobb angle (°)")];
-    columns.extend(kinds.iter().map(|kind| Column::words(sentence_case(&kind.to_string()))));
-    columns.push(Column::words("Films in doubt"));
     let all = patients.len();
     let shown = if most < all {
         format!("the first {most} of {all} patients")
     } else {
         "each patient".to_owned()
     };
-    let mut table =
-        Table::new(format!("A single force along the line, by the bends of {shown}"), columns);
-    for patient in patients.iter().take(most) {
-        let of = |kind| patient.models.iter().find(|model| model.kind == kind);
-        let mut row = vec![patient.case_id.to_string(), or_none(patient.main_curve.as_deref())];
-        row.extend(
-            kinds.iter().map(|&kind| of(kind).map_or_else(none, |model| model.outcome.to_string())),
-        );
-        row.push(or_none(patient.doubted_films.as_deref()));
-        table.row(row);
-    }
-    table
+    let caption = format!("A single force along the line, by the bends of {shown}");
+    Table::of(caption, patients.iter().take(most), |add| {
+        add.words("Patient", |patient| patient.case_id.to_string());
+        add.numbers("Main Cobb angle (°)", |patient| or_none(patient.main_curve.as_deref()));
+        for kind in kinds {
+            add.words(sentence_case(&kind.to_string()), |patient| {
+                or_none(patient.model(kind).map(|model| &*model.outcome))
+            });
+        }
+        add.words("Films in doubt", |patient| or_none(patient.doubted_films.as_deref()));
+    })
 }
 
 /// A row per patient and line, and the notices of every patient.
 pub fn section(patients: &[PatientRow], cohort: &Cohort) -> Section {
     let mut section = new();
-    let columns = vec![
-        Column::words("Case"),
-        Column::words("Line of action"),
-        Column::numbers("Fitted bends (mm)"),
-        Column::numbers("Bends left out (mm)"),
-        Column::numbers("Held-out films (mm)"),
-        Column::words("Counter-rotating joints"),
-    ];
-    let mut table = Table::new(caption("every patient"), columns);
-    for (place, patient) in patients.iter().enumerate() {
-        for model in &patient.models {
-            let mut row = vec![patient.case_id.to_string(), model.kind.to_string()];
-            row.extend(model.errors(cohort, place));
-            row.push(model.counter_rotating.to_string());
-            table.row(row);
-        }
-    }
+    let models = patients.iter().enumerate().flat_map(|(place, patient)| {
+        let of_patient = patient.models.iter();
+        of_patient.map(move |model| (patient, model, model.errors(cohort, place)))
+    });
+    let mut table = Table::of(caption("every patient"), models, |add| {
+        add.words("Case", |(patient, ..)| patient.case_id.to_string());
+        add.words("Line of action", |(_, model, _)| model.kind.to_string());
+        add.numbers("Fitted bends (mm)", |(.., errors)| errors[0].clone());
+        add.numbers("Bends left out (mm)", |(.., errors)| errors[1].clone());
+        add.numbers("Held-out films (mm)", |(.., errors)| errors[2].clone());
+        add.words("Counter-rotating joints", |(_, model, _)| model.counter_rotating.to_string());
+    });
     table.note = "Each line on the films on which it has a result. Counter-rotating joints: joints of each fitted bend that turn against the force. Patients without a model have no row.".to_owned();
     section.table(table);
-    let columns = KINDS_OF_NOTICES.map(|kind| Column::numbers(format!("{}s", kind.word())));
-    let films = Column::words("Doubted films");
-    let columns = [Column::words("Case")].into_iter().chain(columns).chain([films]).collect();
-    let mut table = Table::new("Contradictions, warnings and notes of every patient", columns);
-    for patient in patients {
-        let mut row = vec![patient.case_id.to_string()];
-        row.extend(patient.notices.map(|count| count.to_string()));
-        row.push(or_none(patient.doubted_films.as_deref()));
-        table.row(row);
-    }
-    section.table(table);
+    let caption = "Contradictions, warnings and notes of every patient";
+    section.table(Table::of(caption, patients, |add| {
+        add.words("Case", |patient| patient.case_id.to_string());
+        for (place, kind) in KINDS_OF_NOTICES.into_iter().enumerate() {
+            let head = format!("{}s", kind.word());
+            add.numbers(head, |patient| patient.notices[place].to_string());
+        }
+        add.words("Doubted films", |patient| or_none(patient.doubted_films.as_deref()));
+    }));
     section
 }
 
 /// One row for each of the first patients, in as many columns as a terminal has room for.
 pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
     let mut section = new();
-    let mut columns = vec![
-        Column::words("Case"),
-        Column::numbers("Main Cobb angle (°)"),
-        Column::numbers("Inflections"),
-    ];
-    columns.extend(
-        LINES.map(|kind| Column::words(format!("{} (mm)", sentence_case(&kind.to_string())))),
-    );
-    columns.push(Column::numbers("Counter-rotating joints"));
-    columns.push(Column::numbers("Contradictions, warnings, notes"));
     let (most, all) = (PatientRow::MAX_SHOWN, patients.len());
     let (shown, rest) = if most < all {
         let first = format!("the first {most} of {all} patients");
@@ -184,10 +167,25 @@ pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
     } else {
         ("every patient".to_owned(), "")
     };
-    let mut table = Table::new(caption(&shown), columns);
-    for (place, patient) in patients.iter().take(most).enumerate() {
-        table.row(patient.summary(cohort, place));
-    }
+    let first = patients.iter().take(most).enumerate();
+    let mut table = Table::of(caption(&shown), first, |add| {
+        add.words("Case", |(_, patient)| patient.case_id.to_string());
+        add.numbers("Main Cobb angle (°)", |(_, patient)| or_none(patient.main_curve.as_deref()));
+        add.numbers("Inflections", |(_, patient)| patient.inflections.to_string());
+        for kind in LINES {
+            let head = format!("{} (mm)", sentence_case(&kind.to_string()));
+            add.words(head, |(place, patient)| {
+                let model = patient.model(kind);
+                model.map_or_else(none, |model| model.errors(cohort, *place).join(" / "))
+            });
+        }
+        add.numbers("Counter-rotating joints", |(_, patient)| {
+            or_none(patient.model(LINES[0]).map(|model| &*model.counter_rotating))
+        });
+        add.numbers("Contradictions, warnings, notes", |(_, patient)| {
+            patient.notices.map(|count| count.to_string()).join(", ")
+        });
+    });
     table.note = format!(
         "Location errors: fitted bends / bends left out / held-out films, each over the films on which the line has a result. Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.{rest}",
         LINES[0]
@@ -203,23 +201,6 @@ fn caption(patients: &str) -> String {
 
 fn new() -> Section {
     Section::new("by-patient", "Patient by patient")
-}
-
-impl PatientRow {
-    fn summary(&self, cohort: &Cohort, place: usize) -> Vec<String> {
-        let mut row = vec![
-            self.case_id.to_string(),
-            or_none(self.main_curve.as_deref()),
-            self.inflections.to_string(),
-        ];
-        let of = |kind| self.models.iter().find(|model| model.kind == kind);
-        row.extend(LINES.map(|kind| {
-            of(kind).map_or_else(none, |model| model.errors(cohort, place).join(" / "))
-        }));
-        row.push(of(LINES[0]).map_or_else(none, |model| model.counter_rotating.to_string()));
-        row.push(self.notices.map(|count| count.to_string()).join(", "));
-        row
-    }
 }
 
 fn or_none(text: Option<&str>) -> String {

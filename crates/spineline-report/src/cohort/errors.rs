@@ -1,14 +1,16 @@
 //! Errors of the models over a cohort, by kind of film, and every test between the lines.
 
 use spineline::analysis::FilmRole;
-use spineline::cohort::{Cohort, ErrorKind, LinePairTest, MissingResult, RoleErrors};
+use spineline::cohort::{Cohort, ErrorKind, MissingResult};
 use spineline::number::{p_value, with_sd};
 
 use super::movement::tested;
-
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
-use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, line_in_short, none, numbers, with_interval};
+use crate::phrases::{
+    FITTED, HELD_OUT, LEFT_OUT, line_in_short, mean_difference, none, numbers, over_patients,
+    with_interval,
+};
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 
@@ -51,34 +53,27 @@ fn kind_of_film(section: &mut Section, cohort: &Cohort, name: &str, films: &str,
     };
     let caption = format!("Location errors on {films} (figure 8 of the paper).");
     section.figure(Figure::new(format!("errors-{name}"), caption, svg));
-    let columns = vec![
-        Column::words("Line of action"),
-        Column::numbers("Patients"),
-        Column::numbers("Vertebrae"),
-        Column::numbers("Location error, pooled mean ± sd (mm)"),
-        Column::words("Over patients (mm, 95 %)"),
-        Column::words("Ferguson error over patients (°, 95 %)"),
-        Column::numbers("Films without a result"),
-    ];
-    let mut table = Table::new(format!("Errors on {films}"), columns);
-    for errors in cohort.compared.of_role(role) {
-        let RoleErrors { location_mm, ferguson_deg, .. } = errors;
-        let pooled = location_mm.pooled;
-        let without = match role {
-            FilmRole::LeftOutBend => errors.without_result,
-            FilmRole::Fitted | FilmRole::HeldOut => cohort.compared.unusable(errors.kind, role),
-        };
-        table.row(vec![
-            errors.kind.to_string(),
-            location_mm.patients.n.to_string(),
-            pooled.n.to_string(),
-            if pooled.n > 0 { with_sd(pooled.mean, pooled.sd, 2) } else { none() },
-            with_interval(location_mm.patients.mean, location_mm.bootstrap, 2),
-            with_interval(ferguson_deg.patients.mean, ferguson_deg.bootstrap, 2),
-            without.to_string(),
-        ]);
-    }
-    section.table(table);
+    let errors = cohort.compared.of_role(role);
+    section.table(Table::of(format!("Errors on {films}"), errors, |add| {
+        add.words("Line of action", |errors| errors.kind.to_string());
+        add.numbers("Patients", |errors| errors.location_mm.patients.n.to_string());
+        add.numbers("Vertebrae", |errors| errors.location_mm.pooled.n.to_string());
+        add.numbers("Location error, pooled mean ± sd (mm)", |errors| {
+            let pooled = errors.location_mm.pooled;
+            if pooled.n > 0 { with_sd(pooled.mean, pooled.sd, 2) } else { none() }
+        });
+        add.words("Over patients (mm, 95 %)", |errors| over_patients(&errors.location_mm, 2));
+        add.words("Ferguson error over patients (°, 95 %)", |errors| {
+            over_patients(&errors.ferguson_deg, 2)
+        });
+        add.numbers("Films without a result", |errors| {
+            let without = match role {
+                FilmRole::LeftOutBend => errors.without_result,
+                FilmRole::Fitted | FilmRole::HeldOut => cohort.compared.unusable(errors.kind, role),
+            };
+            without.to_string()
+        });
+    }));
 }
 
 /// The paper's pooled tests, tests over patients, and the lines on the same films.
@@ -88,15 +83,12 @@ pub fn tests(cohort: &Cohort) -> Section {
         section.paragraph(NO_MODEL);
         return section;
     }
-    let columns = vec![
-        Column::words("Inflection line minus iliac line"),
-        Column::words("The paper's pooled test"),
-        Column::words("Over patients"),
+    let tests = [
+        ("location error (mm)".to_owned(), &cohort.location_test, "mm"),
+        ("Ferguson error (°)".to_owned(), &cohort.ferguson_test, "°"),
     ];
-    let mut table = Table::new("The paper's tests on fitted films", columns);
-    table.row(tested("location error (mm)", &cohort.location_test, "mm"));
-    table.row(tested("Ferguson error (°)", &cohort.ferguson_test, "°"));
-    section.table(table);
+    let caption = "The paper's tests on fitted films";
+    section.table(tested(caption, "Inflection line minus iliac line", tests));
     compared(&mut section, cohort, usize::MAX);
     section
 }
@@ -167,123 +159,80 @@ fn pairs(section: &mut Section, cohort: &Cohort) {
 }
 
 fn by_line(cohort: &Cohort) -> Table {
-    let columns = vec![
-        Column::words("Line of action"),
-        Column::words("Films"),
-        Column::numbers("Patients"),
-        Column::numbers("Films with a result"),
-        Column::numbers("Without"),
-        Column::words("Location error (mm, 95 %)"),
-        Column::words("Ferguson error (°, 95 %)"),
-        Column::words("Numbers from the films"),
-    ];
-    let mut table = Table::new("Every line on the films with a result", columns);
     let compared = &cohort.compared;
-    for errors in compared.errors.iter().filter(|errors| errors.films > 0) {
-        let free = compared.numbers.iter().find(|(kind, _)| *kind == errors.kind);
-        table.row(vec![
-            errors.kind.to_string(),
-            errors.role.to_string(),
-            errors.location_mm.patients.n.to_string(),
-            errors.films.to_string(),
-            errors.without_result.to_string(),
-            with_interval(errors.location_mm.patients.mean, errors.location_mm.bootstrap, 1),
-            with_interval(errors.ferguson_deg.patients.mean, errors.ferguson_deg.bootstrap, 1),
-            free.map_or_else(String::new, |(_, free)| numbers(free, errors.role)),
-        ]);
-    }
+    let with_films = compared.errors.iter().filter(|errors| errors.films > 0);
+    let mut table = Table::of("Every line on the films with a result", with_films, |add| {
+        add.words("Line of action", |errors| errors.kind.to_string());
+        add.words("Films", |errors| errors.role.to_string());
+        add.numbers("Patients", |errors| errors.location_mm.patients.n.to_string());
+        add.numbers("Films with a result", |errors| errors.films.to_string());
+        add.numbers("Without", |errors| errors.without_result.to_string());
+        add.words("Location error (mm, 95 %)", |errors| over_patients(&errors.location_mm, 1));
+        add.words("Ferguson error (°, 95 %)", |errors| over_patients(&errors.ferguson_deg, 1));
+        add.words("Numbers from the films", |errors| {
+            let free = compared.numbers.iter().find(|(kind, _)| *kind == errors.kind);
+            free.map_or_else(String::new, |(_, free)| numbers(free, errors.role))
+        });
+    });
     table.note = "Intervals are over patients. Lines may have results on different films: only the tests below compare them, on the films that both predict. Numbers fitted: free multipliers + forces + parameters of a free line. A bend left out is predicted with the stiffness fitted to the other bend.".to_owned();
     table
 }
 
 fn family(cohort: &Cohort) -> Table {
-    let columns = vec![
-        Column::words("First minus second line"),
-        Column::words("Films"),
-        Column::words("Error"),
-        Column::numbers("Films of both"),
-        Column::numbers("Patients"),
-        Column::words("Difference (95 %)"),
-        Column::words("Effect d (95 %)"),
-        Column::numbers("Sign-flip p"),
-        Column::numbers("Holm p"),
-        Column::numbers("Pooled p (the paper's)"),
-    ];
-    let mut table = Table::new("Every pair of lines, tested", columns);
-    for test in cohort.compared.tests.iter().filter(|test| test.holm_p.is_some()) {
-        table.row(test_row(test));
-    }
-    table
+    let tests = cohort.compared.tests.iter().filter(|test| test.holm_p.is_some());
+    Table::of("Every pair of lines, tested", tests, |add| {
+        add.words("First minus second line", |test| test.lines.map(line_in_short).join(" – "));
+        add.words("Films", |test| test.role.to_string());
+        add.words("Error", |test| match test.error {
+            ErrorKind::Location => "location (mm)",
+            ErrorKind::Ferguson => "Ferguson (°)",
+        });
+        add.numbers("Films of both", |test| test.films.to_string());
+        add.numbers("Patients", |test| test.comparison.patients().to_string());
+        add.words("Difference (95 %)", |test| mean_difference(&test.comparison));
+        add.words("Effect d (95 %)", |test| {
+            let effect = test.comparison.effect;
+            effect.map_or_else(none, |effect| with_interval(effect.d, Some(effect.interval), 1))
+        });
+        add.numbers("Sign-flip p", |test| {
+            p_value(test.comparison.sign_flip.map(|t| t.p_two_sided))
+        });
+        add.numbers("Holm p", |test| p_value(test.holm_p));
+        add.numbers("Pooled p (the paper's)", |test| {
+            p_value(test.comparison.pooled.map(|t| t.p_two_sided))
+        });
+    })
 }
 
 /// Errors of the predictions without mechanics.
 fn baselines(cohort: &Cohort) -> Table {
-    let columns = vec![
-        Column::words("Joint rotations without mechanics"),
-        Column::words("Films"),
-        Column::numbers("Patients"),
-        Column::numbers("Films predicted"),
-        Column::words("Location error (mm, 95 %)"),
-    ];
-    let mut table = Table::new("Predictions without mechanics", columns);
-    for errors in &cohort.baselines.errors {
-        table.row(vec![
-            errors.baseline.to_string(),
-            errors.role.to_string(),
-            errors.location_mm.patients.n.to_string(),
-            errors.films.to_string(),
-            with_interval(errors.location_mm.patients.mean, errors.location_mm.bootstrap, 1),
-        ]);
-    }
+    let errors = &cohort.baselines.errors;
+    let mut table = Table::of("Predictions without mechanics", errors, |add| {
+        add.words("Joint rotations without mechanics", |errors| errors.baseline.to_string());
+        add.words("Films", |errors| errors.role.to_string());
+        add.numbers("Patients", |errors| errors.location_mm.patients.n.to_string());
+        add.numbers("Films predicted", |errors| errors.films.to_string());
+        add.words("Location error (mm, 95 %)", |errors| over_patients(&errors.location_mm, 1));
+    });
     table.note = "The rotations and the scale of the film are fitted to the top vertebra: to its location, as every line is, and in one row to its tilt too. A model with a smaller error is worth its parameters.".to_owned();
     table
 }
 
 fn against_baselines(cohort: &Cohort) -> Table {
-    let columns = vec![
-        Column::words("Line minus rotations without mechanics"),
-        Column::words("Films"),
-        Column::numbers("Patients"),
-        Column::words("Difference (mm, 95 %)"),
-        Column::numbers("Sign-flip p"),
-        Column::numbers("Holm p"),
-        Column::words("The line is"),
-    ];
-    let mut table = Table::new("Lines against predictions without mechanics", columns);
-    for test in cohort.baselines.tests.iter().filter(|test| test.holm_p.is_some()) {
-        let c = &test.comparison;
-        let line = line_in_short(test.model);
-        table.row(vec![
-            format!("{line} – {}", test.baseline),
-            test.role.to_string(),
-            c.patients().to_string(),
-            with_interval(c.mean_difference, c.bootstrap, 1),
-            p_value(c.sign_flip.map(|t| t.p_two_sided)),
-            p_value(test.holm_p),
-            test.outcome().to_string(),
-        ]);
-    }
+    let tests = cohort.baselines.tests.iter().filter(|test| test.holm_p.is_some());
+    let mut table = Table::of("Lines against predictions without mechanics", tests, |add| {
+        add.words("Line minus rotations without mechanics", |test| {
+            format!("{} – {}", line_in_short(test.model), test.baseline)
+        });
+        add.words("Films", |test| test.role.to_string());
+        add.numbers("Patients", |test| test.comparison.patients().to_string());
+        add.words("Difference (mm, 95 %)", |test| mean_difference(&test.comparison));
+        add.numbers("Sign-flip p", |test| {
+            p_value(test.comparison.sign_flip.map(|t| t.p_two_sided))
+        });
+        add.numbers("Holm p", |test| p_value(test.holm_p));
+        add.words("The line is", |test| test.outcome().to_string());
+    });
     table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise or with a whole interval above zero. The estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
     table
-}
-
-fn test_row(test: &LinePairTest) -> Vec<String> {
-    let c = &test.comparison;
-    let [first, second] = test.lines.map(line_in_short);
-    vec![
-        format!("{first} – {second}"),
-        test.role.to_string(),
-        match test.error {
-            ErrorKind::Location => "location (mm)",
-            ErrorKind::Ferguson => "Ferguson (°)",
-        }
-        .to_owned(),
-        test.films.to_string(),
-        c.patients().to_string(),
-        with_interval(c.mean_difference, c.bootstrap, 1),
-        c.effect.map_or_else(none, |effect| with_interval(effect.d, Some(effect.interval), 1)),
-        p_value(c.sign_flip.map(|t| t.p_two_sided)),
-        p_value(test.holm_p),
-        p_value(c.pooled.map(|t| t.p_two_sided)),
-    ]
 }

@@ -3,9 +3,9 @@
 use spineline::cohort::{Cohort, PairedComparison};
 use spineline::number::with_sd;
 
-use crate::document::{Column, Figure, Section, Table};
+use crate::document::{Figure, Section, Table};
 use crate::figures::{self, EstimateGroup, InflectionSample};
-use crate::phrases::with_interval;
+use crate::phrases::over_patients;
 
 const NO_MOVEMENT: &str = "No patient has both a pair of inflections and a film of another posture than erect: inflections and least-rotating segments cannot be compared.";
 
@@ -55,20 +55,11 @@ fn rotations(cohort: &Cohort) -> Table {
         add.numbers("Mean ± sd, pooled", |(_, of, places)| {
             with_sd(of.pooled.mean, of.pooled.sd, *places)
         });
-        add.words("Mean over patients (95 %)", |(_, of, places)| {
-            with_interval(of.patients.mean, of.bootstrap, *places)
-        });
+        add.words("Mean over patients (95 %)", |(_, of, places)| over_patients(of, *places));
     })
 }
 
 fn table_2(cohort: &Cohort) -> Table {
-    let columns = vec![
-        Column::words("Inflections minus MMS_Mean"),
-        Column::words("The paper's pooled test"),
-        Column::words("Over patients"),
-    ];
-    let mut table =
-        Table::new("Two estimates of the least-rotating segments (table 2 of the paper)", columns);
     let names = [
         ("distance on bends", "segments"),
         ("distance on neutral and traction films", "segments"),
@@ -76,13 +67,21 @@ fn table_2(cohort: &Cohort) -> Table {
         ("rotation on neutral and traction films", "°"),
     ];
     let tests = names.into_iter().zip(&cohort.table_2);
-    for ((name, unit), test) in tests.filter(|(_, test)| test.patients() > 0) {
-        table.row(tested(&format!("{name} ({unit})"), test, unit));
-    }
-    table
+    let tests = tests.filter(|(_, test)| test.patients() > 0);
+    let rows = tests.map(|((name, unit), test)| (format!("{name} ({unit})"), test, unit));
+    let caption = "Two estimates of the least-rotating segments (table 2 of the paper)";
+    tested(caption, "Inflections minus MMS_Mean", rows)
 }
 
-/// A comparison as the paper tests it and as patients do.
-pub fn tested(name: &str, test: &PairedComparison, unit: &str) -> Vec<String> {
-    vec![name.to_owned(), test.pooled_words(unit), test.patient_words(unit)]
+/// Comparisons as the paper tests them and as patients do. A row has a quantity, its comparison and its unit.
+pub fn tested<'a>(
+    caption: &str,
+    compared: &str,
+    rows: impl IntoIterator<Item = (String, &'a PairedComparison, &'static str)>,
+) -> Table {
+    Table::of(caption, rows, |add| {
+        add.words(compared, |(name, ..)| name.clone());
+        add.words("The paper's pooled test", |(_, test, unit)| test.pooled_words(unit));
+        add.words("Over patients", |(_, test, unit)| test.patient_words(unit));
+    })
 }

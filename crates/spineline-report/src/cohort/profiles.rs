@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, TemplateError};
 use spineline::evaluate::statistics::Summary;
 use spineline::number::{interval, with_sd};
 
-use crate::document::{Column, Figure, Section, Table};
+use crate::document::{Figure, Section, Table};
 use crate::figures;
 
 /// Errors of the population's profile in these patients; `None` without lateral films.
@@ -26,34 +26,32 @@ pub fn section(analyses: &[Analysis]) -> Option<Section> {
 }
 
 fn errors(found: &[(&Analysis, TemplateError)]) -> Table {
-    let columns = vec![
-        Column::words("Error of the population's profile"),
-        Column::numbers("Patients"),
-        Column::numbers("Mean ± sd"),
-        Column::words("Range"),
-    ];
-    let mut table = Table::new("Error of the population's profile, one value per patient", columns);
-    let mut add = |name: &str, values: Vec<f64>| {
-        if values.is_empty() {
-            return;
-        }
-        let of = Summary::of(&values);
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        table.row(vec![
-            name.to_owned(),
-            of.n.to_string(),
-            with_sd(of.mean, of.sd, 1),
-            interval([low, high], 1),
-        ]);
+    let all = |of: fn(&TemplateError) -> f64| -> Vec<f64> {
+        found.iter().map(|(_, error)| of(error)).collect()
     };
-    let all = |of: fn(&TemplateError) -> f64| found.iter().map(|(_, error)| of(error)).collect();
-    add("Turn of a joint, root mean square (°)", all(|error| error.joint_rms.deg()));
-    add("Pitch of a vertebra, root mean square (°)", all(|error| error.vertebra_rms.deg()));
-    add("Pitch of the worst vertebra (°)", all(|error| error.worst().1.deg()));
     let depths =
         found.iter().filter_map(|(one, error)| one.movement.scale().mm(error.depth_rms_mm));
-    add("Depth of a vertebra, root mean square (mm)", depths.collect());
+    let rows = [
+        ("Turn of a joint, root mean square (°)", all(|error| error.joint_rms.deg())),
+        ("Pitch of a vertebra, root mean square (°)", all(|error| error.vertebra_rms.deg())),
+        ("Pitch of the worst vertebra (°)", all(|error| error.worst().1.deg())),
+        ("Depth of a vertebra, root mean square (mm)", depths.collect()),
+    ];
+    let rows = rows.into_iter().filter(|(_, values)| !values.is_empty());
+    let caption = "Error of the population's profile, one value per patient";
+    let mut table = Table::of(caption, rows, |add| {
+        add.words("Error of the population's profile", |(name, _)| *name);
+        add.numbers("Patients", |(_, values)| values.len().to_string());
+        add.numbers("Mean ± sd", |(_, values)| {
+            let Summary { mean, sd, .. } = Summary::of(values);
+            with_sd(mean, sd, 1)
+        });
+        add.words("Range", |(_, values)| {
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            interval([low, high], 1)
+        });
+    });
     table.note = "Differences between what a model without the lateral film has and what both films show; they hold the errors of the landmarks too.".to_owned();
     table
 }

@@ -10,8 +10,8 @@ use spineline::number::p_value;
 use spineline::warning::counted;
 
 use super::by_patient::{PatientRow, outcomes};
-use crate::document::{Column, Section, Table};
-use crate::phrases::with_interval;
+use crate::document::{Section, Table};
+use crate::phrases::mean_difference;
 
 /// Patients in the table of a terminal.
 const MOST_PATIENTS: usize = 20;
@@ -109,43 +109,30 @@ fn against_best(cohort: &Cohort, role: FilmRole) -> Vec<&BaselineTest> {
 
 /// Location errors on films that were not fitted: every pair of lines, and every line against the best prediction without mechanics.
 fn comparisons(cohort: &Cohort) -> Table {
-    let columns = vec![
-        Column::words("Films not fitted"),
-        Column::words("Location error of"),
-        Column::numbers("Patients"),
-        Column::words("Difference (mm, 95 %)"),
-        Column::numbers("Holm p"),
-    ];
-    let mut table = Table::new("Comparisons over patients", columns);
-    let row = |role: FilmRole, what: String, c: &PairedComparison, p: Option<f64>| {
-        vec![
-            role.to_string(),
-            what,
-            c.patients().to_string(),
-            with_interval(c.mean_difference, c.bootstrap, 1),
-            p_value(p),
-        ]
-    };
+    let mut tests: Vec<(FilmRole, String, &PairedComparison, Option<f64>)> = Vec::new();
     for role in FilmRole::PREDICTED {
         let pairs = cohort.compared.tests.iter().filter(|test| {
             test.role == role && test.error == ErrorKind::Location && test.holm_p.is_some()
         });
         for test in pairs {
             let [first, second] = test.lines;
-            let star = if test.is_fair() { "" } else { " †" };
-            table.row(row(
-                role,
-                format!("{first} – {second}{star}"),
-                &test.comparison,
-                test.holm_p,
-            ));
+            let dagger = if test.is_fair() { "" } else { " †" };
+            let what = format!("{first} – {second}{dagger}");
+            tests.push((role, what, &test.comparison, test.holm_p));
         }
         for test in against_best(cohort, role) {
             let dagger = if test.model == LineKind::Estimated { " †" } else { "" };
             let what = format!("{} – {} *{dagger}", test.model, test.baseline);
-            table.row(row(role, what, &test.comparison, test.holm_p));
+            tests.push((role, what, &test.comparison, test.holm_p));
         }
     }
+    let mut table = Table::of("Comparisons over patients", tests, |add| {
+        add.words("Films not fitted", |(role, ..)| role.to_string());
+        add.words("Location error of", |(_, what, ..)| what.clone());
+        add.numbers("Patients", |(_, _, test, _)| test.patients().to_string());
+        add.words("Difference (mm, 95 %)", |(_, _, test, _)| mean_difference(test));
+        add.numbers("Holm p", |(.., p)| p_value(*p));
+    });
     table.note = format!(
         "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. † not fair: the estimated line takes two numbers more from each film.",
         Resampling::FEWEST

@@ -78,30 +78,23 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
 /// The multipliers of all lines side by side, with the scale constraint and the fits that did not converge.
 pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
     let Some(first) = analysis.models.first() else { return };
-    let mut columns = vec![Column::words("Joints")];
-    columns.extend(
-        analysis
-            .models
-            .iter()
-            .map(|model| Column::words(format!("{} (1)", sentence_case(&model.kind.to_string())))),
-    );
     let caption = format!("Lateral stiffness relative to the table ({})", analysis.gauge_words());
-    let mut table = Table::new(caption, columns);
-    let values: Vec<Vec<f64>> = analysis.models.iter().map(|m| m.multipliers().collect()).collect();
     // All lines have the same groups.
-    for (group, name) in first.groups.titles().enumerate() {
-        let mut row = vec![name];
-        for (model, values) in analysis.models.iter().zip(&values) {
-            let value = values[group] * model.fit.absolute_scale;
-            let note = match model.fit.bounds[group] {
-                StiffnessBound::Inside => "",
-                _ => " (at its bound: not identified)",
-            };
-            row.push(format!("{}{note}", fixed(value, 2)));
+    section.table(Table::of(caption, first.groups.titles().enumerate(), |add| {
+        add.words("Joints", |(_, name)| name.clone());
+        for model in &analysis.models {
+            let values: Vec<f64> = model.multipliers().collect();
+            let head = format!("{} (1)", sentence_case(&model.kind.to_string()));
+            add.words(head, |&(group, _)| {
+                let value = values[group] * model.fit.absolute_scale;
+                let note = match model.fit.bounds[group] {
+                    StiffnessBound::Inside => "",
+                    _ => " (at its bound: not identified)",
+                };
+                format!("{}{note}", fixed(value, 2))
+            });
         }
-        table.row(row);
-    }
-    section.table(table);
+    }));
     for model in analysis.models.iter().filter(|m| m.fit.status != FitStatus::Converged) {
         let status = model.fit.status.key().replace('_', " ");
         let text = format!("{}: the fit is NOT CONVERGED ({status}).", model.kind);
@@ -170,32 +163,26 @@ pub fn noise_interval(
 
 fn springs(analysis: &Analysis) -> Table {
     let library: &StiffnessLibrary = &analysis.movement.library;
-    let mut columns = vec![
-        Column::words("Joint"),
-        Column::words("Source of the table"),
-        Column::numbers("Table: lateral (N·m/rad)"),
-        Column::numbers("flexion (N·m/rad)"),
-        Column::numbers("axial (N·m/rad)"),
-    ];
     let absolute = |model: &LineModel| model.is_absolute(analysis.options.gauge);
-    columns.extend(analysis.models.iter().map(|model| {
-        let unit = if absolute(model) { "N·m/rad" } else { "of the table" };
-        Column::numbers(format!("{}: lateral ({unit})", sentence_case(&model.kind.to_string())))
-    }));
-    let mut table = Table::new("Springs of every joint, caudal first", columns);
-    let fitted: Vec<Vec<[f64; 3]>> =
-        analysis.models.iter().map(|model| model.stiffness_nmm_per_rad(library)).collect();
-    for (i, row) in library.rows().iter().enumerate() {
-        let shown = |nmm: f64| fixed(nmm / 1000.0, 0);
-        let mut cells = vec![format!("{}/{}", row.superior, row.inferior), row.source.clone()];
-        cells.extend(row.nmm_per_rad.map(shown));
-        cells.extend(analysis.models.iter().zip(&fitted).map(|(model, springs)| {
-            let lateral = springs[i][0];
-            let relative = || fixed(lateral / row.nmm_per_rad[0], 2);
-            if absolute(model) { shown(lateral) } else { relative() }
-        }));
-        table.row(cells);
-    }
+    let shown = |nmm: f64| fixed(nmm / 1000.0, 0);
+    let joints = library.rows().iter().enumerate();
+    let mut table = Table::of("Springs of every joint, caudal first", joints, |add| {
+        add.words("Joint", |(_, row)| format!("{}/{}", row.superior, row.inferior));
+        add.words("Source of the table", |(_, row)| row.source.clone());
+        add.numbers("Table: lateral (N·m/rad)", |(_, row)| shown(row.nmm_per_rad[0]));
+        add.numbers("flexion (N·m/rad)", |(_, row)| shown(row.nmm_per_rad[1]));
+        add.numbers("axial (N·m/rad)", |(_, row)| shown(row.nmm_per_rad[2]));
+        for model in &analysis.models {
+            let springs = model.stiffness_nmm_per_rad(library);
+            let unit = if absolute(model) { "N·m/rad" } else { "of the table" };
+            let head = format!("{}: lateral ({unit})", sentence_case(&model.kind.to_string()));
+            add.numbers(head, |(joint, row)| {
+                let lateral = springs[*joint][0];
+                let relative = || fixed(lateral / row.nmm_per_rad[0], 2);
+                if absolute(model) { shown(lateral) } else { relative() }
+            });
+        }
+    });
     table.note = if analysis.models.iter().all(absolute) {
         "Springs are scaled to the known force, about all axes.".to_owned()
     } else {
