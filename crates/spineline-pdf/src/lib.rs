@@ -12,8 +12,6 @@ mod page;
 mod text;
 mod world;
 
-use std::fmt;
-
 use chrono::{DateTime, Datelike, Timelike, Utc};
 use spineline_report::Document;
 use spineline_report::fonts::{Font, Fonts};
@@ -25,53 +23,13 @@ pub use attached::embedded;
 use text::Letters;
 use world::Paper;
 
-/// When a report was made, in UTC.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Made {
-    /// After Christ.
-    pub year: u16,
-    /// From 1.
-    pub month: u8,
-    /// From 1.
-    pub day: u8,
-    /// Of 24.
-    pub hour: u8,
-    /// Of 60.
-    pub minute: u8,
-    /// Of 60.
-    pub second: u8,
-}
-
-impl Made {
-    /// This time; `None` for years outside of 1 to 65535.
-    #[must_use]
-    pub fn of(time: DateTime<Utc>) -> Option<Self> {
-        // All of them are below 60, and fit.
-        Some(Self {
-            year: u16::try_from(time.year()).ok()?,
-            month: time.month() as u8,
-            day: time.day() as u8,
-            hour: time.hour() as u8,
-            minute: time.minute() as u8,
-            second: time.second() as u8,
-        })
-    }
-}
-
-impl fmt::Display for Made {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { year, month, day, hour, minute, second } = self;
-        write!(f, "{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
-    }
-}
-
 /// A report that cannot become a PDF.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PdfError {
-    /// Not in the calendar, such as a 30th of February.
-    #[error("the time of the report, {0}, is not a valid date")]
-    Date(Made),
+    /// A year that a PDF cannot have.
+    #[error("the time of the report, {:04}-{}, is not a valid date", .0.year(), .0.format("%m-%dT%H:%M:%SZ"))]
+    Date(DateTime<Utc>),
     /// The template or a figure is invalid.
     #[error("the report could not be typeset: {0}")]
     Typeset(String),
@@ -80,15 +38,13 @@ pub enum PdfError {
     Export(String),
 }
 
-/// The report as PDF/A-3b, with the analysis attached. Letters that the fonts lack become boxes, and a note on the
-/// first page names them.
+/// The report as PDF/A-3b, made at this time, with the analysis attached. Letters that the fonts lack become boxes, and a
+/// note on the first page names them.
 ///
 /// # Errors
 /// [`PdfError`]
-pub fn pdf(document: &Document, made: Made) -> Result<Vec<u8>, PdfError> {
-    let Made { year, month, day, hour, minute, second } = made;
-    let date = Datetime::from_ymd_hms(i32::from(year), month, day, hour, minute, second);
-    let date = date.ok_or(PdfError::Date(made))?;
+pub fn pdf(document: &Document, made: DateTime<Utc>) -> Result<Vec<u8>, PdfError> {
+    let date = datetime(made).ok_or(PdfError::Date(made))?;
     let within = Fonts::within();
     let found = Fonts::for_texts(page::texts(document)).fonts;
     let is_more = found.len() > within.len();
@@ -100,6 +56,14 @@ pub fn pdf(document: &Document, made: Made) -> Result<Vec<u8>, PdfError> {
     // Free the typesetter's cache, which later reports do not use.
     typst::comemo::evict(0);
     bytes
+}
+
+/// The typesetter's date; `None` for a year that it does not have.
+fn datetime(made: DateTime<Utc>) -> Option<Datetime> {
+    // All parts of a day are below 60, and fit.
+    let [month, day] = [made.month(), made.day()].map(|part| part as u8);
+    let [hour, minute, second] = [made.hour(), made.minute(), made.second()].map(|part| part as u8);
+    Datetime::from_ymd_hms(made.year(), month, day, hour, minute, second)
 }
 
 fn typeset(document: &Document, fonts: Vec<Font>, date: Datetime) -> Result<Vec<u8>, PdfError> {

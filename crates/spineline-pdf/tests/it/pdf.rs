@@ -1,11 +1,13 @@
 //! Typeset reports, read by another program: pages, attachment, and letters that the fonts lack.
 
+use chrono::{DateTime, Datelike, TimeDelta, Utc};
 use hayro_syntax::Pdf;
-use spineline_pdf::{Made, PdfError, embedded, pdf};
+use spineline_pdf::{PdfError, embedded, pdf};
 use spineline_report::Document;
 use spineline_report::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 
-const MADE: Made = Made { year: 2026, month: 1, day: 2, hour: 3, minute: 4, second: 5 };
+/// 2026-01-02T03:04:05Z.
+const MADE: DateTime<Utc> = DateTime::from_timestamp(1_767_323_045, 0).expect("a date");
 const HOSTILE: &str = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef #let x = $y$ *z* <w> [病例一] مريض \\u{1}";
 
 /// Every kind of block, with a given subject.
@@ -85,7 +87,7 @@ fn equal_reports_give_equal_bytes() {
     let document = document("P07");
     let [a, b] = [(); 2].map(|()| pdf(&document, MADE).expect("it can be typeset"));
     assert!(a == b, "two runs differ");
-    let later = pdf(&document, Made { second: 6, ..MADE }).expect("it can be typeset");
+    let later = pdf(&document, MADE + TimeDelta::seconds(1)).expect("it can be typeset");
     assert!(a != later, "the date is in it");
 }
 
@@ -169,9 +171,10 @@ fn a_report_without_content_is_a_page() {
 #[test]
 fn impossible_input_is_reported() {
     let document = document("P07");
-    let error =
-        pdf(&document, Made { month: 2, day: 30, ..MADE }).expect_err("the day does not exist");
-    assert!(matches!(error, PdfError::Date(_)) && error.to_string().contains("2026-02-30"));
+    let late = MADE.with_year(12_026).expect("a date");
+    let error = pdf(&document, late).expect_err("the year is too late");
+    let words = "the time of the report, 12026-01-02T03:04:05Z, is not a valid date";
+    assert!(matches!(error, PdfError::Date(_)) && error.to_string() == words);
     let mut broken = document;
     broken.sections[1].figure(Figure::new("broken", "No SVG", "<svg".to_owned()));
     let error = pdf(&broken, MADE).expect_err("no figure").to_string();
