@@ -328,6 +328,24 @@ impl Section {
 }
 
 impl Document {
+    /// A report without notices before its sections and without an embedded analysis.
+    #[must_use]
+    pub fn new(
+        title: impl Into<String>,
+        subject: impl Into<String>,
+        generator: impl Into<String>,
+        sections: Vec<Section>,
+    ) -> Self {
+        Self {
+            title: title.into(),
+            subject: subject.into(),
+            generator: generator.into(),
+            banners: Vec::new(),
+            sections,
+            analysis: String::new(),
+        }
+    }
+
     /// All figures in their order.
     pub fn figures(&self) -> impl Iterator<Item = &Figure> {
         self.sections.iter().flat_map(|section| &section.blocks).filter_map(|block| match block {

@@ -47,14 +47,8 @@ pub fn full(found: &[QuantityReliability], synthetic: bool, generator: &str) -> 
 fn document(section: Section, quantities: usize, synthetic: bool, generator: &str) -> Document {
     let synthetic = if synthetic { " · SYNTHETIC films" } else { "" };
     let words = if quantities == 1 { "quantity" } else { "quantities" };
-    Document {
-        title: "Readings".to_owned(),
-        subject: format!("{quantities} {words}{synthetic}"),
-        generator: generator.to_owned(),
-        banners: Vec::new(),
-        sections: vec![section],
-        analysis: String::new(),
-    }
+    let subject = format!("{quantities} {words}{synthetic}");
+    Document::new("Readings", subject, generator, vec![section])
 }
 
 /// One row per quantity, by single readings of the observers, or else by the repeats of one.

@@ -27,14 +27,8 @@ pub fn summary(learned: &LearnedRotations, synthetic: bool, generator: &str) -> 
             fixed(prior.erect_coefficient(), 2)
         ),
     };
-    Document {
-        title: "Distribution of joint rotations".to_owned(),
-        subject: format!("{subject}{synthetic}"),
-        generator: generator.to_owned(),
-        banners: Vec::new(),
-        sections: vec![section],
-        analysis: String::new(),
-    }
+    let subject = format!("{subject}{synthetic}");
+    Document::new("Distribution of joint rotations", subject, generator, vec![section])
 }
 
 /// Mean, deviation and correlation of the rotations, joint by joint.

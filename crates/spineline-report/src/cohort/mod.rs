@@ -39,13 +39,11 @@ pub fn report(patients: &Patients<'_>) -> Document {
     sections.push(by_patient::section(&rows, patients.together));
     sections.push(readers::section(patients.analyses));
     sections.push(how(patients));
+    let subject = size(patients.analyses.len());
     Document {
-        title: "Cohort report".to_owned(),
-        subject: size(patients.analyses.len()),
-        generator: patients.generator.to_owned(),
         banners: banners(patients),
-        sections,
         analysis: patients.json.to_owned(),
+        ..Document::new("Cohort report", subject, patients.generator, sections)
     }
 }
 
@@ -101,14 +99,8 @@ fn answers(rows: &Rows<'_>) -> Section {
 
 fn document(rows: &Rows<'_>, sections: Vec<Section>) -> Document {
     let synthetic = if rows.together.synthetic { " · SYNTHETIC" } else { "" };
-    Document {
-        title: "Cohort".to_owned(),
-        subject: format!("{}{synthetic}", size(rows.patients.len())),
-        generator: rows.generator.to_owned(),
-        banners: Vec::new(),
-        sections,
-        analysis: String::new(),
-    }
+    let subject = format!("{}{synthetic}", size(rows.patients.len()));
+    Document::new("Cohort", subject, rows.generator, sections)
 }
 
 fn banners(patients: &Patients<'_>) -> Vec<Notice> {

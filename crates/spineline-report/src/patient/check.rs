@@ -29,12 +29,8 @@ pub fn check(case: &Case, checked: Result<&Analysis, &Error>, generator: &str) -
         }
     }
     Document {
-        title: "check of the films".to_owned(),
-        subject: case.id.clone(),
-        generator: generator.to_owned(),
         banners: banners(case.synthetic),
-        sections: vec![section],
-        analysis: String::new(),
+        ..Document::new("check of the films", &case.id, generator, vec![section])
     }
 }
 

@@ -46,16 +46,11 @@ pub fn report(patient: &Patient<'_>) -> Document {
     sections.extend(hypotheses::of_patient(analysis));
     sections.extend(patient.uncertainty.map(|found| uncertainty::numbers(analysis, found)));
     sections.push(method::how(patient));
+    let banners = banners(analysis.synthetic).into_iter().chain(of_options(&analysis.options));
     Document {
-        title: "Patient report".to_owned(),
-        subject: analysis.case_id.clone(),
-        generator: patient.generator.to_owned(),
-        banners: banners(analysis.synthetic)
-            .into_iter()
-            .chain(of_options(&analysis.options))
-            .collect(),
-        sections,
+        banners: banners.collect(),
         analysis: patient.json.to_owned(),
+        ..Document::new("Patient report", &analysis.case_id, patient.generator, sections)
     }
 }
 
@@ -67,11 +62,7 @@ pub fn overview(analysis: &Analysis, generator: &str) -> Document {
     let caption = "Measured spine, fitted curve, inflections and candidate lines of action";
     verdict.figure(Figure::new("overview", caption, figures::case_overview(analysis)));
     Document {
-        title: "analysis".to_owned(),
-        subject: analysis.case_id.clone(),
-        generator: generator.to_owned(),
         banners: banners(analysis.synthetic),
-        sections: vec![verdict],
-        analysis: String::new(),
+        ..Document::new("analysis", &analysis.case_id, generator, vec![verdict])
     }
 }

@@ -55,12 +55,8 @@ pub fn full(patient: &Patient<'_>) -> Document {
 
 fn document(patient: &Patient<'_>, sections: Vec<Section>) -> Document {
     Document {
-        title: "Patient".to_owned(),
-        subject: subject(patient.analysis),
-        generator: patient.generator.to_owned(),
-        banners: Vec::new(),
-        sections,
         analysis: patient.json.to_owned(),
+        ..Document::new("Patient", subject(patient.analysis), patient.generator, sections)
     }
 }
 

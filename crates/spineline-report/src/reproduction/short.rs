@@ -51,14 +51,8 @@ pub fn short(reproduction: &Reproduction<'_>) -> Document {
     rest.paragraph(rejections(reproduction));
     rest.paragraph(limits);
     let synthetic = if reproduction.synthetic().is_empty() { "" } else { " · SYNTHETIC" };
-    Document {
-        title: "Reproduction of Jalalian et al. 2016".to_owned(),
-        subject: format!("{of}{synthetic}"),
-        generator: String::new(),
-        banners: Vec::new(),
-        sections: vec![head, claims, rest],
-        analysis: String::new(),
-    }
+    let title = "Reproduction of Jalalian et al. 2016";
+    Document::new(title, format!("{of}{synthetic}"), "", vec![head, claims, rest])
 }
 
 /// Two rows per number: the number itself, and its endings.

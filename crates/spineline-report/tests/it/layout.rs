@@ -71,12 +71,8 @@ fn printed_tables_keep_their_heads() {
     section.table(table(5, 3));
     section.table(table(200, 12));
     let document = Document {
-        title: "Report".to_owned(),
-        subject: "P07".to_owned(),
-        generator: "spineline test".to_owned(),
-        banners: Vec::new(),
-        sections: vec![section],
         analysis: "{}".to_owned(),
+        ..Document::new("Report", "P07", "spineline test", vec![section])
     };
     let text = html(&document);
     let (style, body) = text.split_once("</style>").expect("a style");

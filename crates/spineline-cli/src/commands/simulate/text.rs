@@ -15,14 +15,7 @@ pub fn report(outcome: &Outcome) -> Document {
     sections.extend(outcome.response.result().map(|result| shape(outcome, result)));
     sections.extend([replicates(outcome), path(outcome)]);
     sections.retain(|section| !section.blocks.is_empty());
-    Document {
-        title: "Simulation".to_owned(),
-        subject: subject(outcome),
-        generator: generator(),
-        banners: Vec::new(),
-        sections,
-        analysis: String::new(),
-    }
+    Document::new("Simulation", subject(outcome), generator(), sections)
 }
 
 /// The warnings.
