@@ -153,22 +153,9 @@ impl<'a> Rod<'a> {
             let left = step(SEGMENTS, shape.top());
             (left, shape)
         };
-        let (mut before, mut now) = (*base_nmm, *base_nmm + 1.0);
-        let mut left_before = march(before).0;
-        for _ in 0..60 {
-            let (left, shape) = march(now);
-            if left.abs() < 1e-6 {
-                *base_nmm = now;
-                return Some(shape);
-            }
-            let slope = (left - left_before) / (now - before);
-            (before, left_before) = (now, left);
-            now -= left / slope;
-            if !now.is_finite() {
-                return None;
-            }
-        }
-        None
+        let (found_nmm, shape) = secant([*base_nmm, *base_nmm + 1.0], 1e-6, march)?;
+        *base_nmm = found_nmm;
+        Some(shape)
     }
 
     /// Equilibrium under a force at T2 in a direction fixed in space.
@@ -184,23 +171,9 @@ impl<'a> Rod<'a> {
         let miss = |offset: f64| {
             let line = line_at(start + across * offset);
             let shape = self.bend(&line, force_n);
-            (line.lever_arm_mm(shape.top()), shape, line)
+            (line.lever_arm_mm(shape.top()), (shape, line))
         };
-        let (mut before, mut now) = (0.0, 1e-3);
-        let mut miss_before = miss(before).0;
-        for _ in 0..60 {
-            let (off, shape, line) = miss(now);
-            if off.abs() < 1e-9 {
-                return Some((shape, line));
-            }
-            let slope = (off - miss_before) / (now - before);
-            (before, miss_before) = (now, off);
-            now -= off / slope;
-            if !now.is_finite() {
-                return None;
-            }
-        }
-        None
+        secant([0.0, 1e-3], 1e-9, miss).map(|(_, found)| found)
     }
 
     /// Equilibrium under forces at material points that move with the chain, and a moment on its top; `forces` gives
@@ -258,6 +231,25 @@ impl<'a> Rod<'a> {
         }
         moments
     }
+}
+
+/// The number for which a miss vanishes, with its result, by secants from two starts; `None` if they do not converge.
+fn secant<T>(starts: [f64; 2], tolerance: f64, miss: impl Fn(f64) -> (f64, T)) -> Option<(f64, T)> {
+    let [mut before, mut now] = starts;
+    let mut miss_before = miss(before).0;
+    for _ in 0..60 {
+        let (off, found) = miss(now);
+        if off.abs() < tolerance {
+            return Some((now, found));
+        }
+        let slope = (off - miss_before) / (now - before);
+        (before, miss_before) = (now, off);
+        now -= off / slope;
+        if !now.is_finite() {
+            return None;
+        }
+    }
+    None
 }
 
 /// Tilts of all segments, and the tilts that follow from their moments.
