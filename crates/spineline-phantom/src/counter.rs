@@ -10,9 +10,7 @@ use spineline::spatial::{Angle, Frontal};
 
 use crate::build::SEGMENTS;
 use crate::erect::ErectSpine;
-use crate::movement::{
-    Moved, TOTAL_DEG, force_for, in_order, lateral_tilts, main_turn, through, usual_variation,
-};
+use crate::movement::{Moved, TOTAL_DEG, in_order, sideways_and_upwards, through, usual_variation};
 use crate::rod::{ChainShape, Rod};
 
 /// Distance by which the line crosses the spine caudal of the inflections, as a part of its length: 60 of 998 segments.
@@ -57,31 +55,10 @@ pub(crate) fn spread(
     rng: &mut ChaCha12Rng,
 ) -> Result<Vec<Moved>, Posture> {
     let rod = Rod::new(spine);
-    let erect_tilt = erect.top().lateral_tilt();
-    let solve = |direction: Frontal| {
-        let rod = &rod;
-        move |force_n: f64, base_nmm: &mut f64| {
-            rod.spread(direction, force_n, base_nmm).map(|shape| (shape, ()))
-        }
+    let solve = |direction: Frontal, force_n: f64, base_nmm: &mut f64| {
+        rod.spread(direction, force_n, base_nmm).map(|shape| (shape, None))
     };
-    let mut moved = Vec::new();
-    for (posture, change) in lateral_tilts(rng) {
-        let sense = change.rad().signum();
-        let target = erect_tilt + change;
-        let reached =
-            |shape: &ChainShape| (shape.top().lateral_tilt() - target).rad() * sense >= 0.0;
-        let left = solve(Frontal::new(1.0, 0.0));
-        let (force_n, shape, ()) =
-            force_for(-4.0 * sense, 4000.0, 0.0, left, reached).ok_or(posture)?;
-        moved.push(Moved::at(posture, shape, force_n));
-    }
-    let whole = main_turn(spine, erect);
-    let reached = |shape: &ChainShape| main_turn(spine, shape) / whole <= 0.85;
-    let up = solve(Frontal::new(0.0, 1.0));
-    let (force_n, shape, ()) =
-        force_for(20.0, 40_000.0, 0.0, up, reached).ok_or(Posture::Traction)?;
-    moved.push(Moved::at(Posture::Traction, shape, force_n));
-    Ok(moved)
+    sideways_and_upwards(spine, erect, 2.0, 0.0, solve, rng)
 }
 
 /// Normal rotations of the joints between vertebrae, spread over the segments of each, scaled to the rod's sums.

@@ -4,7 +4,7 @@ use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Uniform};
 use spineline::action::LineOfAction;
 use spineline::anatomy::Posture;
-use spineline::spatial::Angle;
+use spineline::spatial::{Angle, Frontal};
 
 use crate::TruePosture;
 use crate::erect::ErectSpine;
@@ -43,7 +43,7 @@ impl Moved {
 }
 
 /// Rotation of the main thoracic curve.
-pub(crate) fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
+fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
     let [low, high] = spine.inflection_s_mm.map(|s| shape.tilt(s).rad());
     high - low
 }
@@ -145,8 +145,43 @@ pub(crate) fn in_order([first, second, neutral, traction]: [Moved; 4]) -> Vec<Mo
     ]
 }
 
+/// Two bends and neutral by horizontal loads that reach a lateral tilt, and traction by a cranial one that straightens
+/// the main curve.
+///
+/// `solve` gives the equilibrium under a load of a direction and a size; it continues from the load before. `heaviness`
+/// multiplies the steps and limits of all loads.
+pub(crate) fn sideways_and_upwards<S: Clone>(
+    spine: &ErectSpine,
+    erect: &ChainShape,
+    heaviness: f64,
+    start: S,
+    solve: impl Fn(Frontal, f64, &mut S) -> Option<(ChainShape, Option<LineOfAction>)>,
+    rng: &mut ChaCha12Rng,
+) -> Result<Vec<Moved>, Posture> {
+    let left = |force_n: f64, state: &mut S| solve(Frontal::new(1.0, 0.0), force_n, state);
+    let up = |force_n: f64, state: &mut S| solve(Frontal::new(0.0, 1.0), force_n, state);
+    let erect_tilt = erect.top().lateral_tilt();
+    let mut moved = Vec::new();
+    for (posture, change) in lateral_tilts(rng) {
+        let sense = change.rad().signum();
+        let target = erect_tilt + change;
+        let reached =
+            |shape: &ChainShape| (shape.top().lateral_tilt() - target).rad() * sense >= 0.0;
+        let step_n = -2.0 * heaviness * sense;
+        let found = force_for(step_n, 2000.0 * heaviness, start.clone(), left, reached);
+        let (force_n, shape, line) = found.ok_or(posture)?;
+        moved.push(Moved { line, ..Moved::at(posture, shape, force_n) });
+    }
+    let whole = main_turn(spine, erect);
+    let reached = |shape: &ChainShape| main_turn(spine, shape) / whole <= 0.85;
+    let found = force_for(10.0 * heaviness, 20_000.0 * heaviness, start, up, reached);
+    let (force_n, shape, line) = found.ok_or(Posture::Traction)?;
+    moved.push(Moved { line, ..Moved::at(Posture::Traction, shape, force_n) });
+    Ok(moved)
+}
+
 /// Lateral tilt of L4-T2 on the bends and the neutral film relative to the erect film.
-pub(crate) fn lateral_tilts(rng: &mut ChaCha12Rng) -> [(Posture, Angle); 3] {
+fn lateral_tilts(rng: &mut ChaCha12Rng) -> [(Posture, Angle); 3] {
     let mut degrees = |from: f64, to: f64| {
         Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))
     };

@@ -8,7 +8,7 @@ use spineline::spatial::Frontal;
 
 use crate::column::Anatomy;
 use crate::erect::ErectSpine;
-use crate::movement::{Moved, force_for, lateral_tilts, main_turn, through, usual_variation};
+use crate::movement::{Moved, sideways_and_upwards, through, usual_variation};
 use crate::rod::{ChainShape, Rod};
 use crate::{PhantomError, Scenario, TableRow, TruePosture, column, counter, loads};
 
@@ -153,32 +153,11 @@ fn pull(
     rng: &mut ChaCha12Rng,
 ) -> Result<Vec<Moved>, Posture> {
     let rod = Rod::new(spine);
-    let left = Frontal::new(1.0, 0.0);
-    let erect_tilt = erect.top().lateral_tilt();
-    let solve = |direction: Frontal| {
-        let rod = &rod;
-        move |force_n: f64, top: &mut Frontal| {
-            let (shape, mut line) = rod.pull_at_top(direction, force_n, *top)?;
-            *top = shape.top();
-            (line.point, line.application) = (*top, Application::AtT2);
-            Some((shape, line))
-        }
+    let solve = |direction: Frontal, force_n: f64, top: &mut Frontal| {
+        let (shape, mut line) = rod.pull_at_top(direction, force_n, *top)?;
+        *top = shape.top();
+        (line.point, line.application) = (*top, Application::AtT2);
+        Some((shape, Some(line)))
     };
-    let mut moved = Vec::new();
-    for (posture, change) in lateral_tilts(rng) {
-        let sense = change.rad().signum();
-        let target = erect_tilt + change;
-        let reached =
-            |shape: &ChainShape| (shape.top().lateral_tilt() - target).rad() * sense >= 0.0;
-        let (force_n, shape, line) =
-            force_for(-2.0 * sense, 2000.0, erect.top(), solve(left), reached).ok_or(posture)?;
-        moved.push(Moved { line: Some(line), ..Moved::at(posture, shape, force_n) });
-    }
-    let whole = main_turn(spine, erect);
-    let reached = |shape: &ChainShape| main_turn(spine, shape) / whole <= 0.85;
-    let (force_n, shape, line) =
-        force_for(10.0, 20_000.0, erect.top(), solve(Frontal::new(0.0, 1.0)), reached)
-            .ok_or(Posture::Traction)?;
-    moved.push(Moved { line: Some(line), ..Moved::at(Posture::Traction, shape, force_n) });
-    Ok(moved)
+    sideways_and_upwards(spine, erect, 1.0, erect.top(), solve, rng)
 }
