@@ -41,10 +41,9 @@ pub(crate) fn move_by(
                 *shape = rod.bend_by(shape, couple_nmm, |now| {
                     forces(scenario, spine, now, size * sense, &acting)
                 })?;
-                let line = LineOfAction::leaning(Frontal::default(), Angle::ZERO);
-                Some((shape.clone(), line))
+                Some((shape.clone(), ()))
             };
-            let (size, shape, _) =
+            let (size, shape, ()) =
                 force_for(2.0, 20_000.0, erect.clone(), solve, reached).ok_or(posture)?;
             let l4_on_film = l4_on_film(scenario, sense);
             Ok(Moved { l4_on_film, ..Moved::at(posture, shape, size) })
