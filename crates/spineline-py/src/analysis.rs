@@ -7,7 +7,6 @@ use std::time::Instant;
 use numpy::PyArray2;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use serde_json::Value;
 use spineline::analysis::{self, AnalysisOptions, Grouping, LineModel};
 use spineline::measure::FilmFrame;
@@ -26,7 +25,7 @@ use spineline_tables::{Patient, tables};
 use crate::case::Case;
 use crate::fault::Fault;
 use crate::numbers;
-use crate::patient::{check_case, generator, run, words};
+use crate::patient::{Finding, check_case, generator, run, words};
 use crate::table::Table;
 use crate::wait::apart;
 
@@ -258,9 +257,8 @@ impl Analysis {
 
     /// Every warning, in the order of the steps.
     #[getter]
-    fn warnings<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let warnings = self.analysis.warnings.all().iter();
-        warnings.map(|warning| crate::patient::warning(py, warning)).collect()
+    fn warnings(&self) -> Vec<Finding> {
+        self.analysis.warnings.all().iter().map(Finding::from).collect()
     }
 
     /// The text of its file.

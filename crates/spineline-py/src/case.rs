@@ -5,10 +5,8 @@ use std::sync::Arc;
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use spineline::analysis::{self, AnalysisOptions};
 use spineline::anatomy::FilmView;
-use spineline::error::Error;
 use spineline_files::{
     CaseFile, InputFile, MAX_FILE_BYTES, parse_case_file, parse_case_within, read_bytes, text_of,
     to_text,
@@ -19,7 +17,7 @@ use spineline_report::patient::{check, film_warnings};
 use spineline_report::{html_fragment, terminal};
 
 use crate::fault::Fault;
-use crate::patient::{generator, warning};
+use crate::patient::{Finding, generator};
 use crate::wait::apart;
 
 /// The films of one patient with their landmarks.
@@ -119,15 +117,13 @@ impl Case {
     }
 
     /// Errors and warnings about the films, one dictionary each, and the whole as text and as HTML.
-    fn check<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Bound<'py, PyDict>>, String, String)> {
+    fn check(&self, py: Python<'_>) -> PyResult<(Vec<Finding>, String, String)> {
         let case = Arc::clone(&self.case);
         let checked = apart(py, move |_| analysis::analyze(&case, &AnalysisOptions::default()))?;
         let document = check(&self.case, checked.as_ref(), &generator());
         let rows = match &checked {
-            Ok(found) => {
-                film_warnings(found).map(|one| warning(py, one)).collect::<PyResult<_>>()?
-            }
-            Err(error) => vec![error_row(py, error)?],
+            Ok(found) => film_warnings(found).map(Finding::from).collect(),
+            Err(error) => vec![Finding::from(error)],
         };
         Ok((rows, terminal(&document, terminal::WIDTH), html_fragment(&document)))
     }
@@ -140,17 +136,4 @@ impl Case {
     fn __eq__(&self, other: &Self) -> bool {
         self.file == other.file
     }
-}
-
-/// An error that stops an analysis, as a row beside the warnings.
-fn error_row<'py>(py: Python<'py>, error: &Error) -> PyResult<Bound<'py, PyDict>> {
-    let place = error.place();
-    let row = PyDict::new(py);
-    row.set_item("severity", "error")?;
-    row.set_item("code", error.code())?;
-    row.set_item("step", error.step().key())?;
-    row.set_item("film", place.film.map(FilmView::key))?;
-    row.set_item("level", place.level.map(|level| level.to_string()))?;
-    row.set_item("text", format!("{error}: {}", error.help()))?;
-    Ok(row)
 }

@@ -1,7 +1,8 @@
 //! Requests for a case, and the provenance of its numbers.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use spineline::anatomy::FilmView;
+use spineline::error::Error;
 use spineline::warning::Warning;
 use spineline_files::ProgramRun;
 use spineline_files::method_text::{OPTIONS, OptionFile, option_file};
@@ -46,19 +47,42 @@ pub fn option_names() -> Vec<&'static str> {
     OPTIONS.map(|option| option.name).to_vec()
 }
 
-/// A warning as a dictionary.
-///
-/// # Errors
-/// If Python is out of memory.
-pub fn warning<'py>(py: Python<'py>, warning: &Warning) -> PyResult<Bound<'py, PyDict>> {
-    let dictionary = PyDict::new(py);
-    dictionary.set_item("severity", NoticeKind::from(warning.code.severity()).key())?;
-    dictionary.set_item("code", warning.code.key())?;
-    dictionary.set_item("step", warning.code.step().key())?;
-    dictionary.set_item("film", warning.posture.map(|posture| posture.key()))?;
-    dictionary.set_item("level", warning.level.map(|level| level.to_string()))?;
-    dictionary.set_item("text", warning.text())?;
-    Ok(dictionary)
+/// A warning, or the error that stops an analysis: a dictionary in Python.
+#[derive(IntoPyObject)]
+pub struct Finding {
+    severity: &'static str,
+    code: &'static str,
+    step: &'static str,
+    film: Option<&'static str>,
+    level: Option<String>,
+    text: String,
+}
+
+impl From<&Warning> for Finding {
+    fn from(warning: &Warning) -> Self {
+        Self {
+            severity: NoticeKind::from(warning.code.severity()).key(),
+            code: warning.code.key(),
+            step: warning.code.step().key(),
+            film: warning.posture.map(|posture| posture.key()),
+            level: warning.level.map(|level| level.to_string()),
+            text: warning.text(),
+        }
+    }
+}
+
+impl From<&Error> for Finding {
+    fn from(error: &Error) -> Self {
+        let place = error.place();
+        Self {
+            severity: "error",
+            code: error.code(),
+            step: error.step().key(),
+            film: place.film.map(FilmView::key),
+            level: place.level.map(|level| level.to_string()),
+            text: format!("{error}: {}", error.help()),
+        }
+    }
 }
 
 /// `; did you mean `X`?` for the key that was probably meant; empty without a similar one.
