@@ -76,11 +76,7 @@ pub fn decode_in_child(
     bytes: Vec<u8>,
     limits: &ChildLimits,
 ) -> Result<FilmFile, FilmError> {
-    let found = bytes.len() as u64;
-    if found > limits.film.file_bytes {
-        let limit = limits.film.file_bytes;
-        return Err(FilmError::TooLarge { what: Measure::FileBytes, found, limit });
-    }
+    Measure::FileBytes.within(bytes.len() as u64, limits.film.file_bytes)?;
     let stated = serde_json::to_string(limits).expect("numbers only");
     let start = Instant::now();
     let mut child = Command::new(program)
@@ -116,11 +112,8 @@ fn await_answer(
         end(&mut child);
         return Err(FilmError::DecoderTimeout { limit_s: limits.wall_s });
     };
-    if bytes.len() as u64 > limit {
-        end(&mut child);
-        let found = bytes.len() as u64;
-        return Err(FilmError::TooLarge { what: Measure::AnswerBytes, found, limit });
-    }
+    let fits = Measure::AnswerBytes.within(bytes.len() as u64, limit);
+    fits.inspect_err(|_| end(&mut child))?;
     let status = wait(&mut child);
     match status {
         Some(status) if status.success() => parse(&bytes),

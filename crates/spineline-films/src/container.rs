@@ -181,14 +181,10 @@ fn inflate(body: &[u8], limits: &FilmLimits) -> Result<Vec<u8>, FilmError> {
     let mut inflated = Vec::new();
     let mut decoder = flate2::read::DeflateDecoder::new(body).take(limits.inflated_bytes + 1);
     let fault = match decoder.read_to_end(&mut inflated) {
-        Ok(_) if inflated.len() as u64 > limits.inflated_bytes => {
-            return Err(FilmError::TooLarge {
-                what: Measure::InflatedBytes,
-                found: inflated.len() as u64,
-                limit: limits.inflated_bytes,
-            });
+        Ok(_) => {
+            let found = inflated.len() as u64;
+            return Measure::InflatedBytes.within(found, limits.inflated_bytes).map(|()| inflated);
         }
-        Ok(_) => return Ok(inflated),
         Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => CodecFault::Truncated,
         Err(_) => CodecFault::Corrupt,
     };

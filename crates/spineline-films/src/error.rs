@@ -270,6 +270,16 @@ spineline::named! {
     }
 }
 
+impl Measure {
+    /// Refuses a size above its limit.
+    pub(super) const fn within(self, found: u64, limit: u64) -> Result<(), FilmError> {
+        if found > limit {
+            return Err(FilmError::TooLarge { what: self, found, limit });
+        }
+        Ok(())
+    }
+}
+
 spineline::named! {
     /// Where a file ends too early.
     pub enum Place {

@@ -97,10 +97,7 @@ pub(super) fn format(
             return Err(wrong(attribute, value));
         }
     }
-    let found = u64::from(rows) * u64::from(columns);
-    if found > limits.pixels {
-        return Err(FilmError::TooLarge { what: Measure::Pixels, found, limit: limits.pixels });
-    }
+    Measure::Pixels.within(u64::from(rows) * u64::from(columns), limits.pixels)?;
     let samples = data.word(SAMPLES)?.unwrap_or(1);
     let colour = photometric == Photometric::Colour;
     if samples != if colour { 3 } else { 1 } {

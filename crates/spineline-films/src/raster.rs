@@ -112,9 +112,7 @@ fn decode(
     let mut decoder = foreign(|| reader.into_decoder()).map_err(fault)?;
     let (columns, rows) = decoder.dimensions();
     let found = u64::from(columns) * u64::from(rows);
-    if found > limits.pixels {
-        return Err(FilmError::TooLarge { what: Measure::Pixels, found, limit: limits.pixels });
-    }
+    Measure::Pixels.within(found, limits.pixels)?;
     if found == 0 {
         return Err(fault(CodecFault::Header));
     }

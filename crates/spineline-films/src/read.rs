@@ -10,11 +10,7 @@ use super::{FilmFile, FilmKind, FilmLimits, container, element, pixels, raster, 
 /// # Errors
 /// [`FilmError`]; never panics, and uses at most `limits` and a few times the file's size of memory.
 pub fn read_film(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmError> {
-    let found = bytes.len() as u64;
-    if found > limits.file_bytes {
-        let limit = limits.file_bytes;
-        return Err(FilmError::TooLarge { what: Measure::FileBytes, found, limit });
-    }
+    Measure::FileBytes.within(bytes.len() as u64, limits.file_bytes)?;
     match container::sniff(bytes)? {
         FilmKind::Dicom => read_dicom(bytes, limits),
         kind => raster::read(bytes, kind, limits),

@@ -96,10 +96,7 @@ struct Scanner<'a, 'l> {
 impl<'a> Scanner<'a, '_> {
     fn header(&mut self, encoding: Encoding, place: Place) -> Result<DataElementHeader, FilmError> {
         self.elements += 1;
-        let (found, limit) = (self.elements as u64, self.limits.elements as u64);
-        if found > limit {
-            return Err(FilmError::TooLarge { what: Measure::Elements, found, limit });
-        }
+        Measure::Elements.within(self.elements as u64, self.limits.elements as u64)?;
         let mut rest = &self.data[self.position..];
         let letters = rest.get(4..6).filter(|_| encoding.explicit);
         let read = match encoding {
@@ -181,10 +178,7 @@ impl<'a> Scanner<'a, '_> {
         end: Option<usize>,
         depth: usize,
     ) -> Result<(), FilmError> {
-        if depth >= self.limits.depth {
-            let (found, limit) = (depth as u64 + 1, self.limits.depth as u64);
-            return Err(FilmError::TooLarge { what: Measure::Depth, found, limit });
-        }
+        Measure::Depth.within(depth as u64 + 1, self.limits.depth as u64)?;
         while !self.is_at(end, tag)? {
             let mark = self.header(encoding, Place::InSequence)?;
             if mark.tag == SEQUENCE_END && end.is_none() {

@@ -115,11 +115,7 @@ pub fn deidentify(
     if !is_case_id(&options.case_id) {
         return Err(FilmError::CaseId);
     }
-    let found = bytes.len() as u64;
-    if found > limits.file_bytes {
-        let limit = limits.file_bytes;
-        return Err(FilmError::TooLarge { what: Measure::FileBytes, found, limit });
-    }
+    Measure::FileBytes.within(bytes.len() as u64, limits.file_bytes)?;
     match container::sniff(bytes)? {
         FilmKind::Dicom => dicom(bytes, options, limits),
         kind => picture(bytes, kind, limits),
