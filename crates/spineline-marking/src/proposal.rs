@@ -73,10 +73,9 @@ impl PartialReading {
     /// left and the right crest. After a crest, T1 and L5 are skipped unless they were begun.
     #[must_use]
     pub fn next(&self, order: &[Level]) -> Option<NextLandmark> {
-        let at_crests = self.crests.iter().any(Option::is_some);
         for &level in order {
             let landmark = self.vertebrae.get(&level);
-            if landmark.is_none() && at_crests && level.model_index().is_none() {
+            if landmark.is_none() && self.is_skipped(level) {
                 continue;
             }
             let missing =
@@ -85,22 +84,16 @@ impl PartialReading {
                 return Some(NextLandmark::Corner(level, corner));
             }
         }
-        let [left, right] = self.crests;
-        let crests = [(Side::Left, left), (Side::Right, right)];
-        let open = crests.into_iter().find(|(_, place)| place.is_none());
-        open.map(|(side, _)| NextLandmark::Crest(side))
+        self.next_crest()
     }
 
     /// The next landmark with two clicks per vertebra: the first missing wall in this order, left before
     /// right, of the vertebrae without a corner; then the result of [`PartialReading::next`].
     #[must_use]
     pub fn next_by_walls(&self, order: &[Level]) -> Option<NextLandmark> {
-        let at_crests = self.crests.iter().any(Option::is_some);
         for &level in order {
             let landmark = self.vertebrae.get(&level);
-            if landmark.is_some_and(PartialLandmarks::has_corner)
-                || landmark.is_none() && at_crests && level.model_index().is_none()
-            {
+            if landmark.map_or(self.is_skipped(level), PartialLandmarks::has_corner) {
                 continue;
             }
             let walls = landmark.map_or([None; 2], |m| m.walls);
@@ -109,9 +102,19 @@ impl PartialReading {
                 return Some(NextLandmark::Wall(level, side));
             }
         }
-        let crests = [Side::Left, Side::Right].into_iter().zip(self.crests);
-        let open = crests.into_iter().find(|(_, place)| place.is_none());
-        open.map(|(side, _)| NextLandmark::Crest(side))
+        self.next_crest()
+    }
+
+    /// Whether a vertebra that was not begun is left out: T1 and L5 after a crest.
+    fn is_skipped(&self, level: Level) -> bool {
+        level.model_index().is_none() && self.crests.iter().any(Option::is_some)
+    }
+
+    /// The first missing crest, left before right.
+    fn next_crest(&self) -> Option<NextLandmark> {
+        let mut crests = [Side::Left, Side::Right].into_iter().zip(self.crests);
+        let (side, _) = crests.find(|(_, place)| place.is_none())?;
+        Some(NextLandmark::Crest(side))
     }
 
     /// The landmarks of a person on all vertebrae without a fault: corners, or else walls. Accepted corners do not
