@@ -145,6 +145,19 @@ pub fn film_panel(film: &Outline, extent: Extent, px_per_mm: f64, y_written: boo
     panel
 }
 
+/// The scale at which frames of one height fill a row of this width or are this tall, and their extents widened to that
+/// row.
+pub fn filling<const N: usize>(
+    extents: [Extent; N],
+    row_px: f64,
+    tall_px: f64,
+) -> (f64, [Extent; N]) {
+    let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
+    let px_per_mm = (tall_px / extents[0].height_mm()).min(row_px / width_mm);
+    let spare_mm = (row_px / px_per_mm - width_mm) / N as f64;
+    (px_per_mm, extents.map(|extent| extent.at_least_wide(extent.width_mm() + spare_mm)))
+}
+
 /// An empty panel of an extent at a scale; heights are measured from the base.
 pub fn frontal_panel(extent: Extent, px_per_mm: f64, base: Level) -> Panel {
     let step =
@@ -156,12 +169,19 @@ pub fn frontal_panel(extent: Extent, px_per_mm: f64, base: Level) -> Panel {
         axis(&format!("cranial of {base} (mm)"), extent.z_mm, Ticks::Numbers),
         [extent.width_mm() * px_per_mm, extent.height_mm() * px_per_mm],
     );
-    panel.corners = Some(["LEFT".to_owned(), "RIGHT".to_owned()]);
+    panel.corners = Some(["LEFT", "RIGHT"].map(str::to_owned));
     panel.boxed = true;
     panel
 }
 
 impl Panel {
+    /// Makes a frontal panel one that is seen from the patient's right: the front is on the right.
+    pub fn see_from_right(&mut self, base: Level) {
+        self.x.label = format!("anterior of {base} (mm)");
+        self.x.ticks = Ticks::Numbers;
+        self.corners = Some(["BACK", "FRONT"].map(str::to_owned));
+    }
+
     /// A spine as vertebra midpoints, joined by a curve.
     pub fn spine(&mut self, points: &[Frontal], ink: Ink, marker: Marker) {
         self.curves.push((ink, points.iter().copied().map(drawn).collect()));

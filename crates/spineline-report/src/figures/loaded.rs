@@ -8,9 +8,9 @@ use spineline::response::{ActingKind, ActingLoad, Response, acting_loads, erect_
 use spineline::spatial::{Frontal, Vec3};
 
 use super::arrows::{arrow, bar, turning};
-use super::frontal::{Extent, VIEW, drawn, frontal_panel};
+use super::frontal::{Extent, VIEW, drawn, filling, frontal_panel};
 use super::page::Page;
-use super::panel::{HeadingKind, Panel, Ticks};
+use super::panel::{HeadingKind, Panel};
 use super::style::{
     BLACK, BLUE, GREEN, GREY, Ink, Marker, NOTE_PX, ORANGE, PURPLE, Shape, TICK_PX, VERMILLION,
     bold, wrapped,
@@ -116,18 +116,12 @@ pub fn loaded_spine(input: &LoadedSpine<'_>) -> String {
     for extent in &mut extents {
         extent.z_mm = all.z_mm;
     }
-    let room_px = 84.0 + 84.0;
-    let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
-    let px_per_mm = (TALL_PX / extents[0].height_mm()).min((page.inner_px() - room_px) / width_mm);
-    let spare_mm = (page.inner_px() - room_px) / px_per_mm - width_mm;
+    let (px_per_mm, extents) = filling(extents, page.inner_px() - (84.0 + 84.0), TALL_PX);
     let base = input.levels[0];
     let panels = views.iter().zip(extents).map(|(&view, extent)| {
-        let extent = extent.at_least_wide(extent.width_mm() + 0.5 * spare_mm);
         let mut panel = frontal_panel(extent, px_per_mm, base);
         if view == View::Right {
-            panel.x.label = format!("anterior of {base} (mm)");
-            panel.x.ticks = Ticks::Numbers;
-            panel.corners = Some(["BACK".to_owned(), "FRONT".to_owned()]);
+            panel.see_from_right(base);
         }
         fill(&mut panel, input, &shape, &acting, view);
         panel

@@ -5,7 +5,7 @@ use spineline::multibody::{BodySize, Deformed};
 use spineline::response::erect_shape;
 use spineline::spatial::{Angle, Frontal, Vec3};
 
-use super::frontal::{Extent, extent_words, frontal_panel, has_scale};
+use super::frontal::{Extent, extent_words, filling, frontal_panel, has_scale};
 use super::page::Page;
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{GREY, Ink, posture_style};
@@ -31,14 +31,6 @@ impl View {
             Self::Behind => "from behind",
             Self::Right => "from the right",
             Self::Oblique => "oblique, from behind right",
-        }
-    }
-
-    const fn corners(self) -> [&'static str; 2] {
-        match self {
-            Self::Behind => ["LEFT", "RIGHT"],
-            Self::Right => ["BACK", "FRONT"],
-            Self::Oblique => ["LEFT, BACK", "RIGHT, FRONT"],
         }
     }
 
@@ -84,26 +76,19 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
         // A frontal picture shows `-y` to the right.
         Extent::of(points.map(|&point| view.place(point)).map(|(x, z)| Frontal::new(-x, z)))
     });
-    let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();
-    let px_per_mm =
-        (TALL_PX / extents[0].height_mm()).min((page.inner_px() - 84.0 - 2.0 * 18.0) / width_mm);
-    let spare_mm = (page.inner_px() - 84.0 - 2.0 * 18.0) / px_per_mm - width_mm;
+    let (px_per_mm, extents) = filling(extents, page.inner_px() - 84.0 - 2.0 * 18.0, TALL_PX);
     let base = analysis.movement.levels().base();
     let panels = View::ALL.into_iter().zip(extents).enumerate().map(|(i, (view, extent))| {
-        let wide = extent.at_least_wide(extent.width_mm() + spare_mm / 3.0);
-        let mut panel = frontal_panel(wide, px_per_mm, base);
+        let mut panel = frontal_panel(extent, px_per_mm, base);
         panel.y_written = i == 0;
         panel.heading(HeadingKind::Title, view.words());
-        panel.corners = Some(view.corners().map(str::to_owned));
         match view {
             View::Behind => {}
-            View::Right => {
-                panel.x.label = format!("anterior of {base} (mm)");
-                panel.x.ticks = Ticks::Numbers;
-            }
+            View::Right => panel.see_from_right(base),
             View::Oblique => {
                 panel.x.label = "across the picture (mm)".to_owned();
                 panel.x.ticks = Ticks::Numbers;
+                panel.corners = Some(["LEFT, BACK", "RIGHT, FRONT"].map(str::to_owned));
             }
         }
         for shape in &shapes {
