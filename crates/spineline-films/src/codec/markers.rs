@@ -37,11 +37,6 @@ impl Frame {
     }
 }
 
-/// Bits of a sample that the decoder gives back.
-const fn decoded_bits(frame: Frame) -> u8 {
-    if frame.bits == 8 { 8 } else { 16 }
-}
-
 /// Checks a lossy picture against the data set; returns the bits of its decoded samples.
 pub(super) fn check_lossy(data: &[u8], format: Format) -> Result<u8, CodecFault> {
     let (segments, start) = segments(data)?;
@@ -54,7 +49,7 @@ pub(super) fn check_lossy(data: &[u8], format: Format) -> Result<u8, CodecFault>
         return Err(CodecFault::LossyPrecision { bits: frame.bits });
     }
     has_end(&data[start..])?;
-    Ok(decoded_bits(frame))
+    Ok(frame.bits)
 }
 
 /// Checks a lossless picture against the data set, and refuses features that the decoder gets wrong: restart markers,
@@ -77,12 +72,12 @@ pub(super) fn check_lossless(data: &[u8], format: Format) -> Result<u8, CodecFau
         return Err(CodecFault::Unsupported);
     }
     has_end(&data[start..])?;
-    Ok(decoded_bits(frame))
+    Ok(if frame.bits == 8 { 8 } else { 16 })
 }
 
-/// Checks that the end of the image exists: the decoder would invent a missing part. This marker cannot occur within a
-/// scan.
-fn has_end(scan: &[u8]) -> Result<(), CodecFault> {
+/// Checks that the end of the image exists: the decoder would invent a missing part. JPEG 2000 has the same marker. It
+/// cannot occur within a scan.
+pub(super) fn has_end(scan: &[u8]) -> Result<(), CodecFault> {
     let found = scan.windows(2).rev().any(|pair| pair == [0xFF, 0xD9]);
     if found { Ok(()) } else { Err(CodecFault::Truncated) }
 }

@@ -1,20 +1,16 @@
 //! Checks of the header of a JPEG 2000 picture, before the decoder allocates memory.
 
 use super::Format;
+use super::markers::has_end;
 use crate::error::CodecFault;
 
 /// Maximum number of tiles: a film has one, or a few hundred, and each costs memory.
 const MAX_TILES: u64 = 4096;
 
-/// Checks that a picture agrees with the data set and has an end: the decoder would invent a
-/// missing part.
+/// Checks that a picture agrees with the data set and has an end.
 pub(super) fn check(data: &[u8], format: Format) -> Result<(), CodecFault> {
     Size::read(data)?.check(format)?;
-    if data.windows(2).rev().any(|pair| pair == [0xFF, 0xD9]) {
-        Ok(())
-    } else {
-        Err(CodecFault::Truncated)
-    }
+    has_end(data)
 }
 
 /// The image and tile size segment (ITU-T T.800, A.5.1).
