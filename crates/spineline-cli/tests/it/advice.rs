@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crate::program::{folder, run};
+use crate::program::folder;
 
 /// Options of other programs.
 const OF_OTHERS: [&str; 6] = ["--release", "--features", "--raw", "--mjcf", "--exact", "--ignored"];
@@ -53,8 +53,8 @@ fn sources() -> Vec<(String, String)> {
 #[test]
 fn every_option_and_command_that_a_message_names_exists() {
     let here = folder();
-    let help = |words: &[&str]| run(here.path(), &[words, &["--help"]].concat());
-    let known = options(&run(here.path(), &["completions", "bash"]).0);
+    let help = |words: &[&str]| here.run(&[words, &["--help"]].concat());
+    let known = options(&here.run(&["completions", "bash"]).0);
     assert!(known.contains("--landmarks") && known.contains("--reading"), "{known:?}");
     let mut wrong = BTreeSet::new();
     for (file, text) in sources() {

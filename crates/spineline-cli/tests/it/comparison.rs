@@ -1,16 +1,17 @@
 //! Lines of action compared: what `analyze` prints and writes of one patient and of a cohort.
 
-use std::fs;
-
 use serde_json::{Value, json};
 
-use crate::program::{run, with_phantom, with_phantoms, words};
+use crate::program::{self, assert_says, line, with_phantom, with_phantoms, words};
 use crate::results::results;
+
+/// The case of the second patient.
+const SECOND: &str = "cases/phantom-rod-02.json";
 
 #[test]
 fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
     let here = with_phantom(&["--scenario", "bend", "--subject", "1"]);
-    let (text, error, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json", "--full"]);
+    let (text, error, _) = here.run(&["analyze", "cases/phantom-bend-01.json", "--full"]);
     let text = words(&text);
     for word in [
         "Every line on the films with a result",
@@ -26,8 +27,8 @@ fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
     }
     let text = text.to_lowercase().replace("line of best fit to the rotations", "");
     assert!(!text.contains("best"), "one patient's films prove no line the best\n{text}");
-    let (text, _, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json", "--json", "-"]);
-    let json: Value = serde_json::from_str(&text).expect("JSON and nothing else");
+    let (text, _, _) = here.run(&["analyze", "cases/phantom-bend-01.json", "--json", "-"]);
+    let json = program::json(&text);
     for pointer in [
         "/comparison/same_data",
         "/comparison/lines/iliac_line/numbers/fitted",
@@ -51,25 +52,24 @@ fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
 fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
     let here = with_phantoms("pull", &["1", "2", "3", "4"]);
     let arguments = ["analyze", "cases", "--cohort", "all.json", "--threads", "2", "--full"];
-    let (text, error, code) = run(here.path(), &arguments);
-    assert!(code == 0 || code == 4, "{error}");
+    let text = here.wrote(&arguments);
     // Heads and names of rows may be broken; a test of `spineline-report` reads them whole.
     let text = words(&text);
-    for word in [
-        "Every pair of lines, tested",
-        "First minus",
-        "inflection –",
-        "Sign-",
-        "flip p",
-        "Holm p",
-        "Pooled p",
-        "Use the interval over patients",
-        "Holm's correction covers",
-    ] {
-        assert!(text.contains(word), "{word} is missing in\n{text}");
-    }
-    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
-    let json: Value = serde_json::from_str(&read("all.json")).expect("JSON");
+    assert_says(
+        &text,
+        &[
+            "Every pair of lines, tested",
+            "First minus",
+            "inflection –",
+            "Sign-",
+            "flip p",
+            "Holm p",
+            "Pooled p",
+            "Use the interval over patients",
+            "Holm's correction covers",
+        ],
+    );
+    let json = here.json("all.json");
     assert_eq!(json["format"], "spineline-cohort");
     assert_eq!(
         (&json["synthetic"], json["case_ids"].as_array().map(Vec::len)),
@@ -87,16 +87,16 @@ fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
         text.contains("no line predicts significantly better") && text.contains("Too few patients"),
         "{text}"
     );
-    run(here.path(), &["analyze", "cases", "--cohort", "all.csv", "--threads", "1"]);
-    let csv = read("all.csv");
+    here.run(&["analyze", "cases", "--cohort", "all.csv", "--threads", "1"]);
+    let csv = here.text("all.csv");
     let against = json["baseline_tests"].as_array().expect("tests against no mechanics").len();
     assert!(against > 0);
     assert_eq!(csv.lines().count(), 1 + tests.len() + against, "{csv}");
     assert!(csv.starts_with("first_line,second_line,synthetic,films,error,unit,patients"));
-    run(here.path(), &["analyze", "cases", "--cohort", "again.json", "--threads", "1"]);
+    here.run(&["analyze", "cases", "--cohort", "again.json", "--threads", "1"]);
     assert_eq!(
-        results(&read("again.json")),
-        results(&read("all.json")),
+        results(&here.text("again.json")),
+        results(&here.text("all.json")),
         "the bytes depend on the threads"
     );
 }
@@ -104,20 +104,15 @@ fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
 #[test]
 fn films_without_a_result_are_named_with_line_and_reason() {
     let here = with_phantoms("rod", &["1", "2"]);
-    let path = here.path().join("cases/phantom-rod-02.json");
-    let text = fs::read_to_string(&path).expect("the second patient");
-    let mut case: Value = serde_json::from_str(&text).expect("JSON");
-    for film in case["films"].as_array_mut().expect("films") {
-        let image = film["image"].as_object_mut().expect("a picture");
-        image.retain(|key, _| !key.contains("spacing"));
-    }
-    fs::write(&path, case.to_string()).expect("a case without a scale");
-    let arguments = ["analyze", "cases", "--cohort", "all.json", "--full"];
-    let (text, error, code) = run(here.path(), &arguments);
-    assert!(code == 0 || code == 4, "{error}");
+    here.change(SECOND, |case| {
+        for film in case["films"].as_array_mut().expect("films") {
+            let image = film["image"].as_object_mut().expect("a picture");
+            image.retain(|key, _| !key.contains("spacing"));
+        }
+    });
+    let text = here.wrote(&["analyze", "cases", "--cohort", "all.json", "--full"]);
     assert!(words(&text).contains("Films on which a line has no result"), "{text}");
-    let json = fs::read_to_string(here.path().join("all.json")).expect("it was written");
-    let json: Value = serde_json::from_str(&json).expect("JSON");
+    let json = here.json("all.json");
     let left_out = json["films_without_result"].as_array().expect("films");
     assert_eq!(left_out.len(), 18, "three lines on two films of three kinds: {left_out:?}");
     for film in left_out {
@@ -135,9 +130,7 @@ fn films_without_a_result_are_named_with_line_and_reason() {
 #[test]
 fn a_doubted_film_and_a_shorter_chain_are_named_in_the_files_of_a_cohort() {
     let here = with_phantoms("rod", &["1", "2"]);
-    let path = here.path().join("cases/phantom-rod-02.json");
-    let text = fs::read_to_string(&path).expect("the second patient");
-    let mut case: Value = serde_json::from_str(&text).expect("JSON");
+    let mut case = here.json(SECOND);
     let films = case["films"].as_array_mut().expect("films");
     for film in films.iter_mut() {
         for reading in film["readings"].as_array_mut().expect("readings") {
@@ -150,25 +143,13 @@ fn a_doubted_film_and_a_shorter_chain_are_named_in_the_files_of_a_cohort() {
     shift_rows(&mut readings, 5.0);
     films[1]["readings"] = readings;
     let posture = films[1]["posture"].clone();
-    fs::write(&path, case.to_string()).expect("an odd case");
-    let arguments = [
-        "analyze",
-        "cases",
-        "--full",
-        "--cohort",
-        "all.json",
-        "--tables",
-        "tables",
-        "--threads",
-        "1",
-    ];
-    let (text, error, code) = run(here.path(), &arguments);
-    assert!(code == 0 || code == 4, "{error}");
+    here.write(SECOND, case.to_string());
+    let arguments = line("analyze cases --full --cohort all.json --tables tables --threads 1");
+    let text = here.wrote(&arguments);
     let text = words(&text);
     let counts = "1 patient from L4 to T2 and 1 patient from L4 to T4";
     assert!(text.contains(counts) && text.contains("Films of 1 of 2 patients"), "{text}");
-    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
-    let json: Value = serde_json::from_str(&read("all.json")).expect("JSON");
+    let json = here.json("all.json");
     let chains = json!([
         { "base": "L4", "top": "T2", "patients": 1 }, { "base": "L4", "top": "T4", "patients": 1 },
     ]);
@@ -183,7 +164,7 @@ fn a_doubted_film_and_a_shorter_chain_are_named_in_the_files_of_a_cohort() {
     for (table, rows, expected) in
         [("postures", 10, code), ("patients", 2, posture.as_str().expect("a posture"))]
     {
-        let csv = read(&format!("tables/{table}.csv"));
+        let csv = here.text(format!("tables/{table}.csv"));
         let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let head = lines.next().expect("a head");
         let place = head.iter().position(|name| *name == "doubted").expect("a column");
@@ -209,28 +190,14 @@ fn shift_rows(value: &mut Value, rows: f64) {
 #[test]
 fn a_refused_patient_is_named_with_its_reason_in_every_output() {
     let here = with_phantoms("rod", &["1", "2"]);
-    let path = here.path().join("cases/phantom-rod-02.json");
-    let mut case: Value =
-        serde_json::from_str(&fs::read_to_string(&path).expect("a case")).expect("JSON");
-    case["films"].as_array_mut().expect("films").retain(|film| film["posture"] != "erect");
-    fs::write(&path, case.to_string()).expect("a case without an erect film");
-    fs::write(here.path().join("cases/torn.json"), "{ \"format\": \"spineline-case\",")
-        .expect("half");
-    let arguments = [
-        "analyze",
-        "cases",
-        "--json",
-        "all.json",
-        "--cohort",
-        "cohort.json",
-        "--csv",
-        "all.csv",
-        "--chain",
-        "chain.csv",
-        "--tables",
-        "tables",
-    ];
-    let (text, _, code) = run(here.path(), &arguments);
+    here.change(SECOND, |case| {
+        case["films"].as_array_mut().expect("films").retain(|film| film["posture"] != "erect");
+    });
+    here.write("cases/torn.json", "{ \"format\": \"spineline-case\",");
+    let arguments = line(
+        "analyze cases --json all.json --cohort cohort.json --csv all.csv --chain chain.csv --tables tables",
+    );
+    let (text, _, code) = here.run(&arguments);
     assert_eq!(code, 3, "a case was refused");
     let (refused, rest) = text.split_once("Which line?").expect("the first answer");
     assert!(refused.contains("2 of 3 cases refused"), "{text}");
@@ -240,13 +207,11 @@ fn a_refused_patient_is_named_with_its_reason_in_every_output() {
             "{named} is missing before the findings:\n{refused}{rest}"
         );
     }
-    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
-    let parsed = |name: &str| serde_json::from_str::<Value>(&read(name)).expect("JSON");
-    let analyses = parsed("all.json");
+    let analyses = here.json("all.json");
     let items = analyses.as_array().expect("a list");
     let formats: Vec<&Value> = items.iter().map(|item| &item["format"]).collect();
     assert_eq!(formats, ["spineline-analysis", "spineline-refused-case", "spineline-refused-case"]);
-    let listed = &parsed("cohort.json")["refused"];
+    let listed = &here.json("cohort.json")["refused"];
     for (place, step, id) in [(0, "analysis", json!("phantom-rod-02")), (1, "reading", Value::Null)]
     {
         let one = &listed[place];
@@ -255,16 +220,15 @@ fn a_refused_patient_is_named_with_its_reason_in_every_output() {
         assert_eq!(&items[place + 1]["refused"], one);
     }
     for table in ["all.csv", "chain.csv", "tables/patients.csv"] {
-        let rows = read(table);
+        let rows = here.text(table);
         for named in ["phantom-rod-02,", "torn.json,"] {
             let row = rows.lines().find(|row| row.starts_with(named));
             let row = row.unwrap_or_else(|| panic!("{named} is missing in {table}"));
             assert!(row.contains("could not be"), "{table}: {row}");
         }
     }
-    let (_, error, code) = run(here.path(), &["report", "cases", "--out", "report.md"]);
-    assert_eq!(code, 3, "{error}");
-    let report = read("report.md");
+    here.refused(&["report", "cases", "--out", "report.md"], 3);
+    let report = here.text("report.md");
     let place = |text: &str| report.find(text).unwrap_or_else(|| panic!("{text} is missing"));
     assert!(place("2 of 3 cases refused") < place("1 patient (synthetic)"));
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{CASE, done, json, run, with_phantom, with_phantoms, words};
+use crate::program::{CASE, Here, folder, with_phantom, with_phantoms, words};
 
 /// The ending of the simulations of one line.
 fn statuses(analysis: &Value, line: &str) -> Vec<String> {
@@ -19,8 +19,8 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
     let case = "cases/phantom-bend-02.json";
     // The estimated line bends out of the plane, where nothing holds it.
     let free = ["analyze", case, "--support", "free", "--json", "a.json"];
-    let (text, error, code) = run(here.path(), &free);
-    let analysis = json(&here.path().join("a.json"));
+    let (text, error, code) = here.run(&free);
+    let analysis = here.json("a.json");
     assert!(
         statuses(&analysis, "estimated_line").iter().any(|status| status != "converged"),
         "the test means something: {analysis}"
@@ -30,17 +30,17 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
     let codes = analysis["warnings"].as_array().expect("a list");
     assert!(codes.iter().any(|warning| warning["code"] == "force_not_found"), "it is still said");
     let report = ["report", case, "--support", "free", "--out", "a.html"];
-    done(here.path(), &report);
+    here.done(&report);
     // The model that is asked for by name counts.
     let named = ["--model", "m.json", "--model-line", "estimated"];
-    assert_eq!(run(here.path(), &[&free[..4], &named].concat()).2, 4);
+    assert_eq!(here.run(&[&free[..4], &named].concat()).2, 4);
 }
 
 #[test]
 fn a_known_force_is_in_its_range_and_belongs_to_a_film_with_a_force() {
     let here = with_phantom(&[]);
     let case = "cases/phantom-rod-01.json";
-    let with = |gauge: &str| run(here.path(), &["analyze", case, "--gauge", gauge]);
+    let with = |gauge: &str| here.run(&["analyze", case, "--gauge", gauge]);
     for (gauge, words) in [
         ("known-force:erect=120", "the erect film has no force"),
         ("known-force:traction=-120", "-120 N, and must be from 1 to 2000 N"),
@@ -50,10 +50,10 @@ fn a_known_force_is_in_its_range_and_belongs_to_a_film_with_a_force() {
         let (_, error, code) = with(gauge);
         assert!(code == 2 && error.contains(words), "{gauge}: {code} {error}");
     }
-    let mut file = json(&here.path().join(case));
-    let films = file["films"].as_array_mut().expect("films");
-    films.retain(|film| film["posture"] != "traction");
-    fs::write(here.path().join(case), file.to_string()).expect("written");
+    here.change(case, |file| {
+        let films = file["films"].as_array_mut().expect("films");
+        films.retain(|film| film["posture"] != "traction");
+    });
     let (_, error, code) = with("known-force:traction=120");
     assert!(code == 2 && error.contains("which this case lacks"), "{code} {error}");
 }
@@ -63,33 +63,33 @@ fn outputs_beside_the_cases_of_a_folder_are_passed_over_and_named() {
     let here = with_phantom(&[]);
     let outputs = ["--json", "cases/a.json", "--model", "cases/m.json", "--cohort", "cases/c.json"];
     let case = "cases/phantom-rod-01.json";
-    done(here.path(), &[&["analyze", case], &outputs[..]].concat());
+    here.done(&[&["analyze", case], &outputs[..]].concat());
     for command in ["analyze", "check"] {
-        let (text, error, code) = run(here.path(), &[command, "cases"]);
+        let (text, error, code) = here.run(&[command, "cases"]);
         assert_eq!(code, 0, "{text}{error}");
         for name in ["a.json", "m.json", "c.json"] {
             assert!(error.contains(&format!("{name} is passed over")), "{name}: {error}");
         }
     }
     // A folder of analyses alone is read as their cases; one without any case says so.
-    fs::remove_file(here.path().join(case)).expect("a file");
-    let (text, error, code) = run(here.path(), &["check", "cases"]);
+    fs::remove_file(here.path(case)).expect("a file");
+    let (text, error, code) = here.run(&["check", "cases"]);
     assert!(code == 0 && text.contains("phantom-rod-01"), "{text}{error}");
-    fs::remove_file(here.path().join("cases/a.json")).expect("a file");
-    let (_, error, code) = run(here.path(), &["analyze", "cases"]);
+    fs::remove_file(here.path("cases/a.json")).expect("a file");
+    let (_, error, code) = here.run(&["analyze", "cases"]);
     assert!(code == 3 && error.contains("no case file in this folder"), "{error}");
 }
 
 #[test]
 fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
-    let here = tempfile::tempdir().expect("a place for files");
+    let here = folder();
     for (bytes, said) in [
         (&b"{\"a\": 1}"[..], "not a Spineline file"),
         (b"{\"format\": \"other\"}", "not a Spineline file: its format is `other`"),
         (b"{\"case_id\": \"M\xfcller\"}", "save the file as UTF-8"),
     ] {
-        fs::write(here.path().join("x.json"), bytes).expect("written");
-        let (_, error, code) = run(here.path(), &["check", "x.json"]);
+        here.write("x.json", bytes);
+        let (_, error, code) = here.run(&["check", "x.json"]);
         assert!(code == 3 && words(&error).contains(said), "{said}: {error}");
     }
 }
@@ -100,12 +100,12 @@ fn the_line_that_predicts_best_gives_the_model() {
     let case = "cases/phantom-pull-02.json";
     // Without `--model-line`, the program chooses.
     let auto = ["analyze", case, "--json", "a.json", "--model", "m.json"];
-    let (_, error, code) = run(here.path(), &auto);
+    let (_, error, code) = here.run(&auto);
     assert_eq!(code, 0, "{error}");
     assert!(error.contains("the model of the iliac line is written"), "{error}");
     let error = words(&error);
-    assert_eq!(json(&here.path().join("m.json"))["line"], "iliac_line");
-    let compared = &json(&here.path().join("a.json"))["comparison"];
+    assert_eq!(here.json("m.json")["line"], "iliac_line");
+    let compared = &here.json("a.json")["comparison"];
     let left_out = |line: &str| {
         compared["lines"][line]["errors"]["left_out_bend"]["location_mm"].as_f64().expect("a mean")
     };
@@ -134,20 +134,20 @@ fn a_patient_without_an_inflection_line_has_a_model() {
     let case = "cases/phantom-bend-02.json";
     // No curve is so large, so the case lacks inflections.
     let analyze = ["analyze", case, "--min-curve", "80", "--json", "a.json", "--model", "m.json"];
-    let (text, error, code) = run(here.path(), &analyze);
+    let (text, error, code) = here.run(&analyze);
     assert_eq!(code, 0, "{error}{text}");
     assert!(
-        json(&here.path().join("a.json"))["models"]["inflection_line"].is_null(),
+        here.json("a.json")["models"]["inflection_line"].is_null(),
         "a line without inflections"
     );
-    let model = json(&here.path().join("m.json"));
+    let model = here.json("m.json");
     let line = model["line"].as_str().expect("a line").replace('_', " ");
     let error = words(&error);
     assert!(
         error.contains(&format!("the model of the {line} is written. Of the lines")),
         "{error}"
     );
-    done(here.path(), &["simulate", "m.json", "--push", "left", "--force", "10"]);
+    here.done(&["simulate", "m.json", "--push", "left", "--force", "10"]);
 }
 
 #[test]
@@ -158,12 +158,12 @@ fn results_that_cannot_be_written_are_shown() {
         return;
     }
     let case = "cases/phantom-rod-01.json";
-    done(here.path(), &["analyze", case, "--model", "m.json"]);
+    here.done(&["analyze", case, "--model", "m.json"]);
     for command in [
         &["analyze", case, "--json", "/dev/full"][..],
         &["simulate", "m.json", "--push", "left", "--force", "10", "--json", "/dev/full"],
     ] {
-        let (text, error, code) = run(here.path(), command);
+        let (text, error, code) = here.run(command);
         assert!(code == 3 && error.contains("/dev/full could not be written"), "{code} {error}");
         assert!(text.contains("phantom-rod-01"), "{text}");
     }
@@ -172,7 +172,7 @@ fn results_that_cannot_be_written_are_shown() {
 #[test]
 fn a_model_that_cannot_be_written_says_what_would_give_one() {
     let here = with_phantom(&[]);
-    let case = json(&here.path().join("cases/phantom-rod-01.json"));
+    let case = here.json("cases/phantom-rod-01.json");
     let mut no_scale = case.clone();
     for film in no_scale["films"].as_array_mut().expect("films") {
         let image = film["image"].as_object_mut().expect("a picture");
@@ -186,27 +186,27 @@ fn a_model_that_cannot_be_written_says_what_would_give_one() {
         ("bend.json", no_bend, "inflection", "a bending film"),
         ("given.json", case, "given", "--model-line inflection"),
     ] {
-        fs::write(here.path().join(name), case.to_string()).expect("a case");
+        here.write(name, case.to_string());
         let analyze =
             ["analyze", name, "--model", "m.json", "--model-line", line, "--json", "a.json"];
-        let (text, error, code) = run(here.path(), &analyze);
+        let (text, error, code) = here.run(&analyze);
         let error = words(&error);
         assert!(code == 4 && error.contains(expected), "{name}: {code} {error}");
         // What was found is shown and written nevertheless, and what is missing is named last.
         assert!(text.contains("phantom-rod-01"), "{name}: {text}");
-        assert_eq!(json(&here.path().join("a.json"))["case_id"], "phantom-rod-01");
-        assert!(!here.path().join("m.json").exists());
+        assert_eq!(here.json("a.json")["case_id"], "phantom-rod-01");
+        assert!(!here.path("m.json").exists());
         let last = error.rfind("error: ").expect("an error");
         assert!(error[last..].starts_with("error: m.json is not written"), "{name}: {error}");
-        fs::remove_file(here.path().join("a.json")).expect("it was written");
+        fs::remove_file(here.path("a.json")).expect("it was written");
         // Another line helps only where it has a model.
         assert_eq!(error.contains("--model-line"), line == "given", "{name}: {error}");
     }
 }
 
 /// A folder where a file is to be written: known only when the file is made.
-fn block(here: &Path, file: &str) {
-    fs::create_dir_all(here.join(file)).expect("a folder");
+fn block(here: &Here, file: &str) {
+    fs::create_dir_all(here.path(file)).expect("a folder");
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -221,10 +221,10 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn an_output_that_cannot_be_made_does_not_stop_the_others() {
     let here = with_phantom(&[]);
-    let at = |name: &str| here.path().join(name);
+    let at = |name: &str| here.path(name);
     let (figure, table) = ("figures/phantom-rod-01-overview.svg", "tables/joints.csv");
-    block(here.path(), figure);
-    block(here.path(), table);
+    block(&here, figure);
+    block(&here, table);
     let outputs = [
         ["--figures", "figures"],
         ["--tables", "tables"],
@@ -235,7 +235,7 @@ fn an_output_that_cannot_be_made_does_not_stop_the_others() {
         ["--model", "m.json"],
     ];
     let analyze = [&["analyze", CASE][..], outputs.as_flattened()].concat();
-    let (text, error, code) = run(here.path(), &analyze);
+    let (text, error, code) = here.run(&analyze);
     assert_eq!(code, 3, "{text}{error}");
     assert!(text.contains("phantom-rod-01"), "{text}");
     for blocked in [figure, table] {
@@ -249,7 +249,7 @@ fn an_output_that_cannot_be_made_does_not_stop_the_others() {
     assert_eq!(names(&at("figures")), ["phantom-rod-01-overview.svg"]);
     assert_eq!(names(&at("tables")), ["joints.csv"]);
     let rerun = ["rerun", "a.json", "--figures", "figures", "--json", "again.json"];
-    let (text, error, code) = run(here.path(), &rerun);
+    let (text, error, code) = here.run(&rerun);
     assert!(code == 3 && error.contains(figure), "{error}");
     assert!(text.contains("Nothing differs") && at("again.json").is_file(), "{text}{error}");
 }
@@ -257,14 +257,14 @@ fn an_output_that_cannot_be_made_does_not_stop_the_others() {
 #[test]
 fn a_report_is_made_although_its_figures_cannot_be() {
     let here = with_phantom(&[]);
-    let at = |name: &str| here.path().join(name);
+    let at = |name: &str| here.path(name);
     let report = ["report", CASE, "--out", "r.html", "--figures", "figures"];
-    done(here.path(), &report);
+    here.done(&report);
     let first = names(&at("figures")).remove(0);
     fs::remove_dir_all(at("figures")).expect("a folder");
     fs::remove_file(at("r.html")).expect("a report");
-    block(here.path(), &format!("figures/{first}"));
-    let (text, error, code) = run(here.path(), &report);
+    block(&here, &format!("figures/{first}"));
+    let (text, error, code) = here.run(&report);
     assert!(code == 3 && error.contains(&first), "{code} {error}");
     assert!(at("r.html").is_file() && text.contains("r.html"), "{text}{error}");
     assert_eq!(names(&at("figures")), [first]);
@@ -273,13 +273,13 @@ fn a_report_is_made_although_its_figures_cannot_be() {
 #[test]
 fn figures_of_one_patient_do_not_stop_those_of_the_next() {
     let here = with_phantoms("rod", &["1", "2"]);
-    block(here.path(), "figures/phantom-rod-01-overview.svg");
+    block(&here, "figures/phantom-rod-01-overview.svg");
     let analyze = ["analyze", "cases", "--figures", "figures", "--json", "all.json"];
-    let (text, error, code) = run(here.path(), &analyze);
+    let (text, error, code) = here.run(&analyze);
     assert!(code == 3 && error.contains("phantom-rod-01-overview.svg"), "{code} {error}");
     assert!(text.contains("2 patients"), "{text}");
-    assert_eq!(json(&here.path().join("all.json")).as_array().map(Vec::len), Some(2));
-    let names = names(&here.path().join("figures"));
+    assert_eq!(here.json("all.json").as_array().map(Vec::len), Some(2));
+    let names = names(&here.path("figures"));
     assert!(names.iter().any(|name| name == "phantom-rod-02-overview.svg"), "{names:?}");
     assert_eq!(names.iter().filter(|name| name.starts_with("phantom-rod-01")).count(), 1);
 }

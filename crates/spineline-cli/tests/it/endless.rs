@@ -1,13 +1,10 @@
 //! Inputs without an end, or larger than any file of their kind: refused before memory is spent on them.
 
 use std::fs::{self, File};
-use std::path::Path;
 use std::process::Command;
 
-use tempfile::TempDir;
-
 use crate::maker::{EXPLICIT, Maker, ramp};
-use crate::program::{done, refused, run, spineline, words};
+use crate::program::{self, Here, spineline, words};
 
 /// Commands that read the file `@` whole, with the limit in the refusal.
 const READERS: [(&str, &str); 11] = [
@@ -28,23 +25,21 @@ const READERS: [(&str, &str); 11] = [
 ];
 
 /// A folder with what the commands need besides.
-fn folder() -> TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = folder.path();
-    done(at, &["phantom", "--subject", "1", "--out", "."]);
-    done(at, &["study", "create", "studies.spineline"]);
-    fs::write(at.join("film.dcm"), Maker::new(60, 40, &ramp(60, 40)).file(EXPLICIT))
-        .expect("written");
-    fs::create_dir(at.join("aasce")).expect("a folder");
-    folder
+fn folder() -> Here {
+    let here = program::folder();
+    here.done(&["phantom", "--subject", "1", "--out", "."]);
+    here.done(&["study", "create", "studies.spineline"]);
+    here.write("film.dcm", Maker::new(60, 40, &ramp(60, 40)).file(EXPLICIT));
+    fs::create_dir(here.path("aasce")).expect("a folder");
+    here
 }
 
 /// Standard error and exit code of a shell line in which `@` stands for a file, with little more memory than a decoder of films asks for.
-fn limited(folder: &Path, before: &str, line: &str, file: &str) -> (String, Option<i32>) {
-    let program = spineline(folder).get_program().to_owned();
+fn limited(here: &Here, before: &str, line: &str, file: &str) -> (String, Option<i32>) {
+    let program = spineline(here.folder()).get_program().to_owned();
     let script = format!("ulimit -v 3200000; {before}\"$0\" {}", line.replace('@', file));
     let mut command = Command::new("sh");
-    let output = command.current_dir(folder).args(["-c", &script]).arg(program).output();
+    let output = command.current_dir(here.folder()).args(["-c", &script]).arg(program).output();
     let output = output.expect("a shell");
     (words(&String::from_utf8_lossy(&output.stderr)), output.status.code())
 }
@@ -52,9 +47,9 @@ fn limited(folder: &Path, before: &str, line: &str, file: &str) -> (String, Opti
 #[cfg(unix)]
 #[test]
 fn a_device_without_an_end_is_refused_by_its_limit() {
-    let folder = folder();
+    let here = folder();
     for (line, limit) in READERS {
-        let (error, code) = limited(folder.path(), "", line, "/dev/zero");
+        let (error, code) = limited(&here, "", line, "/dev/zero");
         assert_eq!(code, Some(3), "{line}: {error}");
         for part in ["/dev/zero: it is too large", limit, "help: "] {
             assert!(error.contains(part), "{line}: {error}");
@@ -65,9 +60,9 @@ fn a_device_without_an_end_is_refused_by_its_limit() {
 #[cfg(unix)]
 #[test]
 fn a_pipe_without_an_end_is_refused_by_its_limit() {
-    let folder = folder();
+    let here = folder();
     for (line, limit) in [READERS[0], READERS[6], READERS[10]] {
-        let (error, code) = limited(folder.path(), "yes | ", line, "/dev/stdin");
+        let (error, code) = limited(&here, "yes | ", line, "/dev/stdin");
         assert_eq!(code, Some(3), "{line}: {error}");
         assert!(error.contains(limit), "{line}: {error}");
     }
@@ -76,12 +71,12 @@ fn a_pipe_without_an_end_is_refused_by_its_limit() {
 #[cfg(unix)]
 #[test]
 fn a_pipe_that_ends_is_read_as_a_file() {
-    let folder = folder();
+    let here = folder();
     for (file, line) in [("phantom-rod-01.json", "check"), ("film.dcm", "film")] {
         let script = format!("cat {file} | \"$0\" {line} /dev/stdin");
         let mut command = Command::new("sh");
-        command.current_dir(folder.path()).args(["-c", &script]);
-        let program = spineline(folder.path()).get_program().to_owned();
+        command.current_dir(here.folder()).args(["-c", &script]);
+        let program = spineline(here.folder()).get_program().to_owned();
         let output = command.arg(program).output().expect("a shell");
         let error = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{line}: {error}");
@@ -91,27 +86,25 @@ fn a_pipe_that_ends_is_read_as_a_file() {
 #[cfg(unix)]
 #[test]
 fn a_file_that_is_not_a_film_is_not_read_to_its_end() {
-    let folder = folder();
-    let (error, code) = limited(folder.path(), "", "film @", "/dev/zero");
+    let here = folder();
+    let (error, code) = limited(&here, "", "film @", "/dev/zero");
     assert_eq!(code, Some(3), "{error}");
     assert!(error.contains("/dev/zero") && error.contains("help: "), "{error}");
     // What begins like a film, and never ends.
     let before = "(cat film.dcm; cat /dev/zero) | ";
-    let (error, code) = limited(folder.path(), before, "film @", "/dev/stdin");
+    let (error, code) = limited(&here, before, "film @", "/dev/stdin");
     assert_eq!(code, Some(3), "{error}");
     assert!(error.contains("the limit is 268435456"), "{error}");
 }
 
 #[test]
 fn a_file_that_is_too_large_is_refused_by_its_size() {
-    let folder = folder();
-    File::create(folder.path().join("large"))
-        .and_then(|file| file.set_len(1 << 30))
-        .expect("a sparse file");
+    let here = folder();
+    File::create(here.path("large")).and_then(|file| file.set_len(1 << 30)).expect("a sparse file");
     for (line, limit) in READERS {
         let arguments: Vec<_> = line.split(' ').map(|part| part.replace('@', "large")).collect();
         let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
-        let error = refused(folder.path(), &arguments, 3);
+        let error = here.refused(&arguments, 3);
         for part in ["large: it has 1024 MB", limit, "help: "] {
             assert!(words(&error).contains(part), "{line}: {error}");
         }
@@ -121,24 +114,23 @@ fn a_file_that_is_too_large_is_refused_by_its_size() {
 #[cfg(unix)]
 #[test]
 fn a_pipe_in_a_folder_of_cases_is_not_waited_for() {
-    let folder = folder();
-    let made = Command::new("mkfifo").arg(folder.path().join("pipe.json")).status();
+    let here = folder();
+    let made = Command::new("mkfifo").arg(here.path("pipe.json")).status();
     assert!(made.expect("mkfifo").success());
-    let error = refused(folder.path(), &["check", "."], 3);
+    let error = here.refused(&["check", "."], 3);
     assert!(error.contains("pipe.json: it is not a plain file"), "{error}");
 }
 
 #[cfg(unix)]
 #[test]
 fn an_input_that_an_analysis_names_is_read_from_plain_files_alone() {
-    let folder = folder();
+    let here = folder();
     let analyze = ["analyze", "phantom-rod-01.json", "--json", "analysis.json"];
-    assert_ne!(run(folder.path(), &analyze).2, 3);
-    let path = folder.path().join("analysis.json");
-    let text = fs::read_to_string(&path).expect("the analysis");
+    assert_ne!(here.run(&analyze).2, 3);
+    let text = here.text("analysis.json");
     let other = text.replace("\"name\": \"phantom-rod-01.json\"", "\"name\": \"/dev/zero\"");
     assert!(other != text, "it names its input");
-    fs::write(&path, other).expect("written");
-    let (error, code) = limited(folder.path(), "", "rerun @", "analysis.json");
+    here.write("analysis.json", other);
+    let (error, code) = limited(&here, "", "rerun @", "analysis.json");
     assert_eq!(code, Some(0), "{error}");
 }

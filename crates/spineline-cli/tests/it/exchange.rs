@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::{Value, json};
 
 use crate::maker::{EXPLICIT, Maker};
-use crate::program::{done, json, run};
+use crate::program::folder;
 
 /// An empty DICOM film, as large as the picture of a case says and with the same side to the left.
 fn film(image: &Value) -> Vec<u8> {
@@ -21,30 +21,29 @@ fn film(image: &Value) -> Vec<u8> {
 
 #[test]
 fn reports_of_several_readings_are_imported_together() {
-    let here = tempfile::tempdir().expect("a place for files");
-    let at = here.path();
-    done(at, &["phantom", "--subject", "1", "--out", "p", "--noise", "2"]);
-    let mut case = json(&at.join("p/phantom-rod-01.json"));
+    let here = folder();
+    here.done(&["phantom", "--subject", "1", "--out", "p", "--noise", "2"]);
+    let mut case = here.json("p/phantom-rod-01.json");
     let erect = &mut case["films"][0];
-    fs::write(at.join("p/erect.dcm"), film(&erect["image"])).expect("written");
+    here.write("p/erect.dcm", film(&erect["image"]));
     erect["image"]["file"] = "erect.dcm".into();
     let mut second = erect["readings"][0].clone();
     second["observer"] = json!("other");
     erect["readings"].as_array_mut().expect("readings").truncate(1);
     erect["readings"].as_array_mut().expect("readings").push(second);
-    fs::write(at.join("p/two.json"), case.to_string()).expect("written");
+    here.write("p/two.json", case.to_string());
     let export = ["export", "p/two.json", "--to", "dicom-sr", "--posture", "erect", "--out", "sr"];
-    done(at, &export);
+    here.done(&export);
     let import = |out: &str, reports: [&str; 2]| {
         let [first, second] = reports;
         let mut line = vec!["import", "p/erect.dcm", "--case-id", "A", "--out", out];
         line.extend(["--film", "erect=1"]);
         line.extend(["--landmarks", first, "--landmarks", second]);
-        run(at, &line)
+        here.run(&line)
     };
     let (_, error, code) = import("both", ["sr/erect-1.dcm", "sr/erect-2.dcm"]);
     assert_eq!(code, 0, "{error}");
-    let found = json(&at.join("both/case.json"));
+    let found = here.json("both/case.json");
     let readings = found["films"][0]["readings"].as_array().expect("readings");
     let observers: Vec<&str> = readings.iter().filter_map(|one| one["observer"].as_str()).collect();
     assert_eq!(readings.len(), 2, "{found}");
@@ -71,17 +70,15 @@ fn straight() -> String {
 
 #[test]
 fn sizes_of_a_set_of_pictures_are_read_from_the_pictures() {
-    let here = tempfile::tempdir().expect("a place for files");
-    let at = here.path();
+    let here = folder();
     for folder in ["set/labels/training", "set/data/training"] {
-        fs::create_dir_all(at.join(folder)).expect("a folder");
+        fs::create_dir_all(here.path(folder)).expect("a folder");
     }
-    let labels = at.join("set/labels/training");
-    fs::write(labels.join("filenames.csv"), "a.png\nb.png\n").expect("written");
+    here.write("set/labels/training/filenames.csv", "a.png\nb.png\n");
     let rows = format!("{}\n{}\n", straight(), straight());
-    fs::write(labels.join("landmarks.csv"), rows).expect("written");
+    here.write("set/labels/training/landmarks.csv", rows);
     for (name, columns, rows) in [("a.png", 400, 1000), ("b.png", 300, 900)] {
-        let file = fs::File::create(at.join("set/data/training").join(name)).expect("a file");
+        let file = fs::File::create(here.path("set/data/training").join(name)).expect("a file");
         let mut encoder = png::Encoder::new(file, columns, rows);
         encoder.set_color(png::ColorType::Grayscale);
         encoder.set_depth(png::BitDepth::Eight);
@@ -91,20 +88,19 @@ fn sizes_of_a_set_of_pictures_are_read_from_the_pictures() {
     }
     let line =
         ["import", "set/labels/training", "--aasce", "--patient-left", "image-right", "--out", "c"];
-    let (text, error, code) = run(at, &line);
-    assert_eq!(code, 0, "{text}{error}");
+    here.done(&line);
     let size = |name: &str| {
-        let case = json(&at.join(name));
+        let case = here.json(name);
         let image = &case["films"][0]["image"];
         (image["columns"].as_u64(), image["rows"].as_u64())
     };
     // Lines of the tables count from 1.
     assert_eq!(size("c/training-0001.json"), (Some(400), Some(1000)));
     assert_eq!(size("c/training-0002.json"), (Some(300), Some(900)));
-    let verdicts = fs::read_to_string(at.join("c/training-verdicts.csv")).expect("written");
+    let verdicts = here.text("c/training-verdicts.csv");
     assert!(verdicts.contains("\n1,training-0001,clean"), "{verdicts}");
-    fs::remove_file(at.join("set/data/training/b.png")).expect("a file");
-    let (_, error, code) = run(at, &line.map(|word| if word == "c" { "d" } else { word }));
+    fs::remove_file(here.path("set/data/training/b.png")).expect("a file");
+    let (_, error, code) = here.run(&line.map(|word| if word == "c" { "d" } else { word }));
     assert!(code == 3 && error.contains("filenames.csv, line 2"), "{error}");
     assert!(error.contains("--pictures"), "{error}");
 }

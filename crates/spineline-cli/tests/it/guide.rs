@@ -8,6 +8,8 @@ use std::process::Command;
 
 use spineline::warning::WarningCode;
 
+use crate::program::folder;
+
 /// Commands of a page.
 struct Block {
     /// Page and line.
@@ -51,7 +53,7 @@ fn blocks(page: &str) -> Vec<Block> {
 
 #[test]
 fn every_command_of_the_guide_runs() {
-    let here = tempfile::tempdir().expect("a place for files");
+    let here = folder();
     let beside = Path::new(env!("CARGO_BIN_EXE_spineline")).parent().expect("a folder").to_owned();
     let path = env::var_os("PATH").unwrap_or_default();
     let path = env::join_paths([beside].into_iter().chain(env::split_paths(&path)));
@@ -64,9 +66,9 @@ fn every_command_of_the_guide_runs() {
         }
         assert_eq!(block.kind, "sh", "{}", block.place);
         let mut shell = Command::new("sh");
-        shell.args(["-eu", "-c", &block.text]).current_dir(here.path()).env("PATH", &path);
+        shell.args(["-eu", "-c", &block.text]).current_dir(here.folder()).env("PATH", &path);
         // `import` writes its secret there.
-        shell.env("XDG_CONFIG_HOME", here.path().join("configuration"));
+        shell.env("XDG_CONFIG_HOME", here.path("configuration"));
         let output = shell.output().expect("a shell");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{}:\n{}{said}", block.place, block.text);

@@ -2,20 +2,12 @@
 
 use std::fs;
 
-use serde_json::Value;
+use crate::program::{CASE, Here, assert_says, with_phantom, words};
 
-use crate::program;
-
-/// A phantom's case with T8 removed from the left bend and T2 from the neutral film.
-fn write_partial_case(folder: &std::path::Path) {
-    program::add_phantom(folder, &["--subject", "1"]);
-    let read = |entry: std::io::Result<fs::DirEntry>| -> Option<Value> {
-        let text = fs::read_to_string(entry.expect("a file").path()).ok()?;
-        serde_json::from_str(&text).ok()
-    };
-    let files = fs::read_dir(folder.join("cases")).expect("a folder");
-    let mut all = files.filter_map(read);
-    let mut case = all.find(|file| file["format"] == "spineline-case").expect("a case");
+/// A folder with a phantom's case without T8 on the left bend and T2 on the neutral film, `case.json`.
+fn with_partial_case() -> Here {
+    let here = with_phantom(&[]);
+    let mut case = here.json(CASE);
     for film in case["films"].as_array_mut().expect("films") {
         let hidden = match film["posture"].as_str() {
             Some("left_bending") => "T8",
@@ -26,23 +18,20 @@ fn write_partial_case(folder: &std::path::Path) {
             reading["vertebrae"].as_object_mut().expect("vertebrae").remove(hidden);
         }
     }
-    fs::write(folder.join("case.json"), case.to_string()).expect("written");
+    here.write("case.json", case.to_string());
+    here
 }
 
 #[test]
 fn hidden_vertebrae_reach_terminal_tables_and_report() {
-    let here = tempfile::tempdir().expect("a place for files");
-    write_partial_case(here.path());
-    let text = program::done(here.path(), &["check", "case.json"]);
+    let here = with_partial_case();
+    let text = here.done(&["check", "case.json"]);
     assert!(text.contains("L4-T3"), "{text}");
-    for part in ["left bending film: T8: T8 is not marked", "missing on: neutral"] {
-        let flat = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(flat.contains(part), "`{part}` is not in {flat}");
-    }
+    assert_says(&words(&text), &["left bending film: T8: T8 is not marked", "missing on: neutral"]);
     let arguments =
         ["analyze", "case.json", "--tables", "t", "--tables-format", "csv", "--model", "m.json"];
-    program::done(here.path(), &arguments);
-    let table = fs::read_to_string(here.path().join("t/vertebrae.csv")).expect("a table");
+    here.done(&arguments);
+    let table = here.text("t/vertebrae.csv");
     let mut lines = table.lines();
     let heading: Vec<&str> = lines.next().expect("a heading").split(',').collect();
     let column = |name: &str| heading.iter().position(|own| *own == name).expect("a column");
@@ -57,16 +46,15 @@ fn hidden_vertebrae_reach_terminal_tables_and_report() {
     }
     // The default of a push is the top of this model.
     let push = ["simulate", "m.json", "--push", "left", "--force", "10"];
-    let (text, error, code) = program::run(here.path(), &push);
-    assert_eq!(code, 0, "{text}{error}");
-    program::done(here.path(), &["report", "case.json", "--out", "r.html"]);
-    let report = fs::read_to_string(here.path().join("r.html")).expect("a report");
+    here.done(&push);
+    here.done(&["report", "case.json", "--out", "r.html"]);
+    let report = here.text("r.html");
     for part in ["Interpolated, not marked: left bending: T8", "without interpolated", "L4–T3"] {
         assert!(report.contains(part), "`{part}` is not in the report");
     }
     let arguments = ["analyze", "case.json", "--figures", "figures"];
-    program::done(here.path(), &arguments);
-    let figures = fs::read_dir(here.path().join("figures")).expect("a folder");
+    here.done(&arguments);
+    let figures = fs::read_dir(here.path("figures")).expect("a folder");
     let marked = figures.filter(|figure| {
         let path = figure.as_ref().expect("a file").path();
         fs::read_to_string(path).is_ok_and(|svg| svg.contains("not marked on this film"))

@@ -1,49 +1,33 @@
 //! `spineline import`: from films to a case, without guesses, losses or names.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value as Json;
 use spineline_films::{FilmLimits, read_film};
 
 use crate::maker::{EXPLICIT, Maker, Value, ramp, text};
-use crate::program::{finish, json, spineline, succeeded};
+use crate::program::{Here, folder, line, succeeded, words};
 
 /// A name that must never be seen again.
 const CANARY: &str = "Kanarienvogel";
 
-pub struct Here(pub tempfile::TempDir);
-
 impl Here {
-    pub fn new() -> Self {
-        Self(tempfile::tempdir().expect("a temporary folder"))
-    }
-
-    pub fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
     /// Runs `spineline import`; standard output, standard error and exit code.
     pub fn import(&self, arguments: &[&str]) -> (String, String, i32) {
-        let mut command = spineline(self.0.path());
-        command.env("XDG_CONFIG_HOME", self.path("configuration"));
-        finish(command.arg("import").args(arguments))
+        self.run(&[&["import"], arguments].concat())
     }
 
     /// The standard output of an import that has to succeed.
+    #[track_caller]
     pub fn imported(&self, arguments: &[&str]) -> String {
         succeeded(self.import(arguments))
     }
 
     /// The standard error of an import that has to end with this code.
-    pub fn refused(&self, arguments: &[&str], code: i32) -> String {
-        let (output, error, found) = self.import(arguments);
-        assert_eq!(found, code, "{arguments:?}: {error}{output}");
-        error
-    }
-
-    pub fn json(&self, name: &str) -> Json {
-        json(&self.path(name))
+    #[track_caller]
+    pub fn not_imported(&self, arguments: &[&str], code: i32) -> String {
+        self.refused(&[&["import"], arguments].concat(), code)
     }
 }
 
@@ -58,8 +42,11 @@ pub fn film(number: u16) -> Maker {
 }
 
 pub fn put(here: &Here, name: &str, maker: &Maker) {
-    fs::write(here.path(name), maker.file(EXPLICIT)).expect("a file");
+    here.write(name, maker.file(EXPLICIT));
 }
+
+/// The arguments that make case A of one erect film in the folder `a`.
+pub const ERECT: [&str; 7] = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
 
 /// The arguments that make case A of one film in the folder `a`.
 fn one_film<'a>(file: &'a str, film: &'a str) -> [&'a str; 9] {
@@ -85,22 +72,12 @@ fn holds(bytes: &[u8], word: &str) -> bool {
 
 #[test]
 fn films_become_a_deidentified_case() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
     put(&here, "b.dcm", &film(2));
-    let (out, error, code) = here.import(&[
-        ".",
-        "--case-id",
-        "P07",
-        "--out",
-        "p07",
-        "--film",
-        "erect=1",
-        "--film",
-        "left-bending=2",
-        "--invert",
-        "left-bending",
-    ]);
+    let (out, error, code) = here.import(&line(
+        ". --case-id P07 --out p07 --film erect=1 --film left-bending=2 --invert left-bending",
+    ));
     assert_eq!(code, 0, "{error}");
     assert!(out.contains("Wrote p07/case.json and 2 films."), "{out}");
     let case = here.json("p07/case.json");
@@ -120,13 +97,12 @@ fn films_become_a_deidentified_case() {
     assert_eq!(new.expect("a film").stored, old.expect("a film").stored);
     assert!(!holds(&everything(&here.path("p07")), CANARY));
     assert!(!holds(out.as_bytes(), CANARY) && !holds(error.as_bytes(), CANARY));
-    spineline_files::parse_case(&fs::read_to_string(here.path("p07/case.json")).expect("text"))
-        .expect("a case file");
+    spineline_files::parse_case(&here.text("p07/case.json")).expect("a case file");
 }
 
 #[test]
 fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
-    let here = Here::new();
+    let here = folder();
     let mut phantom = film(1);
     phantom.text((0x28, 0x300), "CS", "YES");
     put(&here, "a.dcm", &phantom);
@@ -146,12 +122,9 @@ fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
 
 #[test]
 fn landmarks_of_another_program_lie_on_their_films() {
-    let here = Here::new();
-    let program = || assert_cmd::Command::cargo_bin("spineline").expect("the program");
-    let make = ["phantom", "--subject", "1", "--out", "p", "--noise", "0", "--pixel-size", "2"];
-    program().current_dir(here.path("")).args(make).assert().success();
-    let case = fs::read_to_string(here.path("p/phantom-rod-01.json")).expect("written");
-    let case: Json = serde_json::from_str(&case).expect("JSON");
+    let here = folder();
+    here.done(&line("phantom --subject 1 --out p --noise 0 --pixel-size 2"));
+    let case = here.json("p/phantom-rod-01.json");
     let image = &case["films"][0]["image"];
     let side = |key: &str| image[key].as_u64().expect("a number") as u16;
     let (columns, rows) = (side("columns"), side("rows"));
@@ -169,19 +142,11 @@ fn landmarks_of_another_program_lie_on_their_films() {
     ] {
         let export =
             ["export", "p/phantom-rod-01.json", "--to", to, "--posture", "erect", "--out", file];
-        program().current_dir(here.path("")).args(export).assert().success();
-        here.imported(&[
-            "erect.dcm",
-            "--case-id",
-            "A",
-            "--out",
-            to,
-            "--film",
-            "erect=1",
-            "--landmarks",
-            file,
-        ]);
-        let found = here.json(&format!("{to}/case.json"));
+        here.done(&export);
+        here.imported(&line(&format!(
+            "erect.dcm --case-id A --out {to} --film erect=1 --landmarks {file}"
+        )));
+        let found = here.json(format!("{to}/case.json"));
         let landmarks = |case: &Json| {
             case["films"][0]["readings"][0]["vertebrae"]["T12"]["superior_left"].clone()
         };
@@ -195,20 +160,12 @@ fn landmarks_of_another_program_lie_on_their_films() {
 
 #[test]
 fn equal_secrets_map_equal_identifiers_to_equal_new_ones() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
     let uid = |folder: &str, secret: &str| {
-        here.imported(&[
-            "a.dcm",
-            "--case-id",
-            "A",
-            "--out",
-            folder,
-            "--film",
-            "erect=1",
-            "--secret",
-            secret,
-        ]);
+        here.imported(&line(&format!(
+            "a.dcm --case-id A --out {folder} --film erect=1 --secret {secret}"
+        )));
         let bytes = fs::read(here.path(folder).join("erect.dcm")).expect("the film");
         read_film(&bytes, &FilmLimits::default()).expect("a film").tags.uids.sop_instance
     };
@@ -221,25 +178,24 @@ fn equal_secrets_map_equal_identifiers_to_equal_new_ones() {
 
 #[test]
 fn missing_values_are_asked_for_by_film_with_the_option_to_give_them() {
-    let here = Here::new();
+    let here = folder();
     let mut silent = film(1);
     silent.remove((0x20, 0x20));
     put(&here, "a.dcm", &silent);
-    let arguments = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
-    let error = here.refused(&arguments, 2);
+    let error = here.not_imported(&ERECT, 2);
     assert!(error.contains("erect film") && error.contains("the patient's left"), "{error}");
     assert!(error.contains("--patient-left erect=image-left"), "{error}");
     assert!(!here.path("a").exists(), "nothing was written");
-    here.imported(&[&arguments[..], &["--patient-left", "erect=image-left"]].concat());
+    here.imported(&[&ERECT[..], &["--patient-left", "erect=image-left"]].concat());
     assert_eq!(here.json("a/case.json")["films"][0]["image"]["patient_left"], "image_left");
 }
 
 #[test]
 fn an_answer_that_contradicts_the_file_needs_confirmation() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
     let arguments = one_film("a.dcm", "erect=1");
-    let error = here.refused(&arguments, 2);
+    let error = here.not_imported(&arguments, 2);
     assert!(error.contains("Patient Orientation") && error.contains("--accept"), "{error}");
     let out = here.imported(&[&arguments[..], &["--accept"]].concat());
     assert!(out.contains("accepted by --accept"), "{out}");
@@ -248,7 +204,7 @@ fn an_answer_that_contradicts_the_file_needs_confirmation() {
 
 #[test]
 fn lateral_views_are_recognised_and_offered_for_the_profile() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
     let mut lateral = film(2);
     lateral.text((0x20, 0x20), "CS", "A\\F");
@@ -257,7 +213,7 @@ fn lateral_views_are_recognised_and_offered_for_the_profile() {
     assert!(out.contains("lateral"), "{out}");
     assert!(out.lines().all(|line| line.chars().count() <= 100), "{out}");
     // Not as a frontal film, unless someone insists.
-    let error = here.refused(&one_film(".", "erect=2"), 2);
+    let error = here.not_imported(&one_film(".", "erect=2"), 2);
     assert!(error.contains("lateral view"), "{error}");
     here.imported(&[".", "--case-id", "A", "--out", "a", "--film", "erect=1", "--lateral", "2"]);
     let case = here.json("a/case.json");
@@ -267,63 +223,39 @@ fn lateral_views_are_recognised_and_offered_for_the_profile() {
 
 #[test]
 fn a_recumbent_film_given_as_erect_needs_confirmation() {
-    let here = Here::new();
+    let here = folder();
     let mut lying = film(1);
     let code = [((0x08, 0x100), ("SH", text("102538003"))), ((0x08, 0x102), ("SH", text("SCT")))];
     lying.set((0x54, 0x410), "SQ", Value::Items(vec![code.into()]));
     put(&here, "a.dcm", &lying);
-    let error = here.refused(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"], 2);
+    let error = here.not_imported(&ERECT, 2);
     assert!(error.contains("recumbent") && error.contains("erect"), "{error}");
 }
 
 #[test]
 fn one_picture_cannot_show_two_postures_and_one_identifier_two_pictures() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
     let mut copy = film(1);
     copy.text((0x08, 0x18), "UI", "1.2.3.99");
     put(&here, "b.dcm", &copy);
-    let arguments = |folder: &'static str| {
-        [
-            "a.dcm",
-            "b.dcm",
-            "--case-id",
-            "A",
-            "--out",
-            folder,
-            "--film",
-            "erect=1",
-            "--film",
-            "left-bending=2",
-        ]
-    };
-    let error = here.refused(&arguments("a"), 3);
+    let arguments = line("a.dcm b.dcm --case-id A --out a --film erect=1 --film left-bending=2");
+    let error = here.not_imported(&arguments, 3);
     assert!(error.contains("the same picture"), "{error}");
     let mut changed = film(2);
     changed.text((0x08, 0x18), "UI", "1.2.3.1");
     put(&here, "b.dcm", &changed);
-    let out = here.imported(&arguments("a"));
+    let out = here.imported(&arguments);
     assert!(out.contains("the same SOP Instance UID"), "{out}");
 }
 
 #[test]
 fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
-    let here = Here::new();
+    let here = folder();
     let mut bare = film(1);
     bare.remove((0x28, 0x30)).remove((0x28, 0xA02));
     put(&here, "a.dcm", &bare);
-    let ball = "erect=10,20,50,20,25+-0.1";
-    let out = here.imported(&[
-        "a.dcm",
-        "--case-id",
-        "A",
-        "--out",
-        "a",
-        "--film",
-        "erect=1",
-        "--ball",
-        ball,
-    ]);
+    let out = here.imported(&[&ERECT[..], &["--ball", "erect=10,20,50,20,25+-0.1"]].concat());
     assert!(out.contains("a ball in the picture"), "{out}");
     let image = &here.json("a/case.json")["films"][0]["image"];
     // 25 mm over 40 pixels; each click scatters by half a pixel, the diameter by 0.4 %.
@@ -331,18 +263,8 @@ fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
     let sd = image["spacing_relative_sd"].as_f64().expect("a number");
     let by_hand = (0.5 / 40f64.powi(2) + (0.1f64 / 25.0).powi(2)).sqrt();
     assert!((sd - by_hand).abs() < 1e-12, "{sd}");
-    let error = here.refused(
-        &[
-            "a.dcm",
-            "--case-id",
-            "A",
-            "--out",
-            "b",
-            "--film",
-            "erect=1",
-            "--ball",
-            "erect=10,20,11,20,25",
-        ],
+    let error = here.not_imported(
+        &line("a.dcm --case-id A --out b --film erect=1 --ball erect=10,20,11,20,25"),
         2,
     );
     assert!(error.contains("1.0 pixels apart"), "{error}");
@@ -350,11 +272,11 @@ fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
 
 #[test]
 fn a_film_without_spacing_is_in_pixels() {
-    let here = Here::new();
+    let here = folder();
     let mut bare = film(1);
     bare.remove((0x28, 0x30));
     put(&here, "a.dcm", &bare);
-    let out = here.imported(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"]);
+    let out = here.imported(&ERECT);
     assert!(out.contains("pixels (taken as square)"), "{out}");
     let image = &here.json("a/case.json")["films"][0]["image"];
     assert_eq!(image["spacing_plane"], "pixels");
@@ -363,31 +285,27 @@ fn a_film_without_spacing_is_in_pixels() {
 
 #[test]
 fn a_case_is_never_overwritten() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
-    let arguments = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
-    assert_eq!(here.import(&arguments).2, 0);
+    assert_eq!(here.import(&ERECT).2, 0);
     let before = everything(&here.path("a"));
-    let error = here.refused(&arguments, 3);
+    let error = here.not_imported(&ERECT, 3);
     assert!(error.contains("overwrites nothing"), "{error}");
     assert_eq!(before, everything(&here.path("a")));
     // Nor are the patient's own films, where they have the names that a case would give them.
     fs::create_dir(here.path("own")).expect("a folder");
     put(&here, "own/left_bending.dcm", &film(3));
     let into = ["own", "--case-id", "A", "--out", "own", "--film", "erect=1"];
-    let error = here.refused(&into, 3);
+    let error = here.not_imported(&into, 3);
     assert!(error.contains("own/left_bending.dcm"), "{error}");
     assert_eq!(fs::read(here.path("own/left_bending.dcm")).expect("there"), film(3).file(EXPLICIT));
 }
 
 #[test]
 fn repeated_answers_and_answers_about_unknown_films_are_refused() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
-    let refused = |more: &[&str]| {
-        let base = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
-        here.refused(&[&base[..], more].concat(), 2)
-    };
+    let refused = |more: &[&str]| here.not_imported(&[&ERECT[..], more].concat(), 2);
     let twice = ["--patient-left", "image-right", "--patient-left", "image-left"];
     assert!(refused(&twice).contains("--patient-left is given twice"));
     let both = ["--ball", "erect=1,1,40,1,25", "--ruler", "erect=1,1,40,1,100"];
@@ -397,19 +315,19 @@ fn repeated_answers_and_answers_about_unknown_films_are_refused() {
 
 #[test]
 fn without_a_choice_films_are_listed_and_no_file_is_written() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
-    fs::write(here.path("notes.txt"), "<notes>").expect("a file");
-    let error = here.refused(&[".", "--case-id", "A", "--out", "a"], 2);
+    here.write("notes.txt", "<notes>");
+    let error = here.not_imported(&[".", "--case-id", "A", "--out", "a"], 2);
     assert!(error.contains("--film erect=1") && error.contains("notes.txt"), "{error}");
-    let error = here.refused(&[".", "--case-id", "A", "--out", "a", "--film", "erect=7"], 2);
+    let error = here.not_imported(&[".", "--case-id", "A", "--out", "a", "--film", "erect=7"], 2);
     assert!(error.contains("film 7 is not among the films that were found (1)"), "{error}");
     assert!(!here.path("a").exists());
 }
 
 #[test]
 fn pictures_are_stored_without_metadata() {
-    let here = Here::new();
+    let here = folder();
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, 30, 20);
     encoder.set_color(png::ColorType::Grayscale);
@@ -417,7 +335,7 @@ fn pictures_are_stored_without_metadata() {
     let pixels: Vec<u8> = (0..600u32).map(|i| (i * 7 % 251) as u8).collect();
     encoder.write_header().expect("a header").write_image_data(&pixels).expect("pixels");
     assert!(holds(&png, CANARY));
-    fs::write(here.path("a.png"), &png).expect("a file");
+    here.write("a.png", &png);
     here.imported(&one_film("a.png", "erect=1"));
     let written = fs::read(here.path("a/erect.png")).expect("the film");
     assert!(!holds(&written, CANARY));
@@ -427,7 +345,7 @@ fn pictures_are_stored_without_metadata() {
 
 #[test]
 fn a_breast_a_leg_or_another_patient_needs_confirmation() {
-    let here = Here::new();
+    let here = folder();
     let altered = [
         ("breast", (0x18, 0x15), "CS", "BREAST", "(BREAST)"),
         ("leg", (0x18, 0x15), "CS", "LEG", "(LEG)"),
@@ -457,8 +375,7 @@ fn a_breast_a_leg_or_another_patient_needs_confirmation() {
         assert!(!error.contains("SOMEONE"), "{error}");
         let (out, error, code) = import(&["--accept"]);
         assert_eq!(code, 0, "{name}: {error}");
-        let unwrapped = out.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(unwrapped.contains("accepted by --accept"), "{out}");
+        assert!(words(&out).contains("accepted by --accept"), "{out}");
         assert!(!holds(&everything(&here.path(name)), "SOMEONE"), "{name}");
     }
 }

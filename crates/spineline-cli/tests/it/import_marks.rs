@@ -1,11 +1,10 @@
 //! `spineline import --landmarks`: which film a file of landmarks is of, and who made it.
 
-use std::fs;
-
 use serde_json::{Value as Json, json};
 
-use crate::import::{Here, put};
+use crate::import::put;
 use crate::maker::Maker;
+use crate::program::{Here, folder};
 
 const CORNERS: [&str; 4] = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
 const FILMS: [(&str, &str); 3] =
@@ -13,7 +12,7 @@ const FILMS: [(&str, &str); 3] =
 
 /// A folder with three films of one patient, each of other pixels; the patient's left is on the right of the picture.
 fn three_films() -> Here {
-    let here = Here::new();
+    let here = folder();
     for (shade, (name, _)) in FILMS.iter().enumerate() {
         let mut film = Maker::new(250, 500, &vec![100 + shade as u16; 250 * 500]);
         film.text((0x20, 0x20), "CS", "L\\F").text((0x08, 0x18), "UI", &format!("1.2.3.{shade}"));
@@ -101,11 +100,11 @@ fn one_dataset_of_several_films_is_matched_by_the_names_of_its_pictures() {
         // The order in the file does not matter, nor do films of another patient.
         pictures.rotate_left(1);
         pictures.push(("P08_standing.png", 0.0));
-        fs::write(here.path("coco.json"), coco(&pictures)).expect("a file");
+        here.write("coco.json", coco(&pictures));
         let (_, notes, code) = here.import(&arguments(out, &["--landmarks", "coco.json"]));
         assert_eq!(code, 0, "{notes}");
         assert!(notes.contains("passed over: P08_standing.png"), "{notes}");
-        let tops = tops(&here.json(&format!("{out}/case.json")));
+        let tops = tops(&here.json(format!("{out}/case.json")));
         let right = |lean: f64| 125.25 + 13.0 + 14.0 * lean;
         assert_eq!(
             tops,
@@ -117,9 +116,9 @@ fn one_dataset_of_several_films_is_matched_by_the_names_of_its_pictures() {
         );
     }
     let numbers = [("000001.png", 0.0), ("000002.png", 3.0), ("000003.png", -3.0)];
-    fs::write(here.path("numbers.json"), coco(&numbers)).expect("a file");
+    here.write("numbers.json", coco(&numbers));
     for option in ["numbers.json", "erect=numbers.json"] {
-        let error = here.refused(&arguments("numbers", &["--landmarks", option]), 3);
+        let error = here.not_imported(&arguments("numbers", &["--landmarks", option]), 3);
         assert!(
             error.contains("000001.png") && error.contains("P07_LB.dcm (left bending)"),
             "{error}"
@@ -130,11 +129,11 @@ fn one_dataset_of_several_films_is_matched_by_the_names_of_its_pictures() {
 #[test]
 fn a_file_whose_picture_is_another_film_is_refused_and_one_of_another_name_is_noted() {
     let here = three_films();
-    fs::write(here.path("erect.json"), labelme("P07_LB.png", 0.0)).expect("a file");
-    fs::write(here.path("other.json"), labelme("..\\scan_17.png", 0.0)).expect("a file");
-    fs::write(here.path("own.json"), labelme("P07_standing.png", 0.0)).expect("a file");
+    here.write("erect.json", labelme("P07_LB.png", 0.0));
+    here.write("other.json", labelme("..\\scan_17.png", 0.0));
+    here.write("own.json", labelme("P07_standing.png", 0.0));
     let exchanged = arguments("a", &["--landmarks", "erect=erect.json"]);
-    let error = here.refused(&exchanged, 3);
+    let error = here.not_imported(&exchanged, 3);
     assert!(error.contains("P07_LB.png, which belongs to the left bending film"), "{error}");
     let (_, notes, code) = here.import(&[&exchanged[..], &["--accept"]].concat());
     assert!(code == 0 && notes.contains("accepted by --accept"), "{notes}");
@@ -152,10 +151,10 @@ fn a_file_whose_picture_is_another_film_is_refused_and_one_of_another_name_is_no
 fn one_file_per_annotator_is_imported_with_their_names() {
     let here = three_films();
     for (file, lean) in [("raterA.json", 0.0), ("raterB.json", 0.1)] {
-        fs::write(here.path(file), labelme("P07_standing.png", lean)).expect("a file");
+        here.write(file, labelme("P07_standing.png", lean));
     }
     let files = ["--landmarks", "erect=raterA.json", "--landmarks", "erect=raterB.json"];
-    let error = here.refused(&arguments("a", &files), 3);
+    let error = here.not_imported(&arguments("a", &files), 3);
     assert!(error.contains("--reading FILE=OBSERVER:REPEAT"), "{error}");
     let named = |b: &'static str| {
         [&files[..], &["--reading", "raterA.json=rater-A", "--reading", b]].concat()
@@ -174,10 +173,10 @@ fn one_file_per_annotator_is_imported_with_their_names() {
         ("raterB.json=B:0", "whole number from 1"),
         ("raterB.json", "expected FILE=OBSERVER"),
     ] {
-        let error = here.refused(&arguments("c", &named(wrong)), 2);
+        let error = here.not_imported(&arguments("c", &named(wrong)), 2);
         assert!(error.contains(words), "{error}");
     }
-    let error = here.refused(&arguments("c", &named("raterC.json=B")), 2);
+    let error = here.not_imported(&arguments("c", &named("raterC.json=B")), 2);
     assert!(error.contains("raterC.json, which is not a given file"), "{error}");
     let (_, notes, code) = here.import(&arguments("d", &named("raterB.json=Rater_a")));
     assert!(code == 0 && notes.contains("`Rater_a` and `rater-A` count as 2 observers"), "{notes}");
@@ -196,14 +195,14 @@ fn a_table_states_its_observers_and_a_reading_contradicts_it() {
             corners(0.0).into_iter().map(|(name, p)| format!("{observer},{name},{}\n", cells(&p)));
         format!("observer,vertebra,{}\n{}", heading.join(","), rows.collect::<String>())
     };
-    fs::write(here.path("named.csv"), rows("B")).expect("a file");
-    fs::write(here.path("doctor.csv"), rows("Dr. A. B.")).expect("a file");
-    let error = here.refused(
+    here.write("named.csv", rows("B"));
+    here.write("doctor.csv", rows("Dr. A. B."));
+    let error = here.not_imported(
         &arguments("a", &["--landmarks", "erect=named.csv", "--reading", "named.csv=C"]),
         3,
     );
     assert!(error.contains("named.csv") && error.contains("states observer B"), "{error}");
-    let error = here.refused(&arguments("a", &["--landmarks", "erect=doctor.csv"]), 3);
+    let error = here.not_imported(&arguments("a", &["--landmarks", "erect=doctor.csv"]), 3);
     assert!(
         error.contains("doctor.csv: line 2, column `observer`") && error.contains("`Dr. A. B.`"),
         "{error}"
@@ -212,7 +211,7 @@ fn a_table_states_its_observers_and_a_reading_contradicts_it() {
 
 #[test]
 fn suggestions_of_the_command_line_name_no_other_side_posture_or_value() {
-    let here = Here::new();
+    let here = folder();
     for (arguments, suggested) in [
         (&["x", "--patient-right", "image-left"][..], None),
         (&["x", "--case-id", "A", "--out", "o", "--patient-anterior", "image-lefft"], None),
@@ -220,12 +219,13 @@ fn suggestions_of_the_command_line_name_no_other_side_posture_or_value() {
         (&["x", "--landmark", "a.json"], Some("--landmarks")),
         (&["x", "--pacient-left", "image-left"], Some("--patient-left")),
     ] {
-        let error = here.refused(arguments, 2);
+        let error = here.not_imported(arguments, 2);
         match suggested {
             None => assert!(!error.contains("similar"), "{error}"),
             Some(option) => assert!(error.contains(&format!("'{option}'")), "{error}"),
         }
     }
-    let error = here.refused(&["x", "--case-id", "A", "--out", "o", "--film", "standing=1"], 2);
+    let error =
+        here.not_imported(&["x", "--case-id", "A", "--out", "o", "--film", "standing=1"], 2);
     assert!(error.contains("erect, left_bending, right_bending, neutral, traction"), "{error}");
 }

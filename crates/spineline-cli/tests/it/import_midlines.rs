@@ -1,11 +1,8 @@
 //! `spineline import --midlines`: cases from the surface of the back.
 
-use std::fs;
-
 use serde_json::Value as Json;
 
-use crate::import::Here;
-use crate::program::{finish, spineline};
+use crate::program::folder;
 
 /// A line of the back that bends, as a scanner with x to the patient's right and y down has it.
 fn midline(posture: &str, bend_mm: f64) -> Json {
@@ -22,10 +19,10 @@ fn midline(posture: &str, bend_mm: f64) -> Json {
 
 #[test]
 fn midlines_of_the_back_make_a_case_that_says_its_levels_are_estimates() {
-    let here = Here::new();
+    let here = folder();
     let lines =
         serde_json::json!({ "midlines": [midline("erect", 0.0), midline("left_bending", -120.0)] });
-    fs::write(here.path("lines.json"), lines.to_string()).expect("a file");
+    here.write("lines.json", lines.to_string());
     let import = ["--midlines", "lines.json", "--case-id", "P07", "--out", "p07"];
     let out = here.imported(&import);
     assert!(out.contains("No vertebra was seen"), "{out}");
@@ -36,18 +33,16 @@ fn midlines_of_the_back_make_a_case_that_says_its_levels_are_estimates() {
     // The bend is to the patient's left, where tilts are negative.
     assert!(t2["location_mm"][0].as_f64() > Some(90.0), "{t2}");
     assert!(t2["tilt_deg"].as_f64() < Some(-5.0), "{t2}");
-    let mut check = spineline(here.0.path());
-    let (out, error, _) = finish(check.args(["check", "p07/case.json"]));
+    let (out, error, _) = here.run(&["check", "p07/case.json"]);
     assert!(out.contains("no vertebra was seen"), "{out}{error}");
     // Nothing is overwritten, and a file of landmarks is not a file of midlines.
     assert_ne!(here.import(&import).2, 0);
-    fs::write(here.path("marks.json"), r#"{"shapes":[]}"#).expect("a file");
-    here.refused(&["--midlines", "marks.json", "--case-id", "B", "--out", "b"], 3);
+    here.write("marks.json", r#"{"shapes":[]}"#);
+    here.not_imported(&["--midlines", "marks.json", "--case-id", "B", "--out", "b"], 3);
     let (_, error, _) =
         here.import(&["--midlines", "lines.json", "lines.json", "--case-id", "B", "--out", "b"]);
     assert!(error.contains("second erect midline"), "{error}");
     // Estimated levels are not passed on as seen ones.
-    let mut export = spineline(here.0.path());
-    let (_, error, code) = finish(export.args(["export", "p07/case.json", "--to", "csv"]));
+    let (_, error, code) = here.run(&["export", "p07/case.json", "--to", "csv"]);
     assert!(code != 0 && error.contains("surface midline"), "{error}");
 }

@@ -1,7 +1,8 @@
 //! `spineline import` of films that state the distances or the shape of their pixels in other ways than the standard has it.
 
-use crate::import::{Here, film, put};
+use crate::import::{ERECT, film, put};
 use crate::maker::Maker;
+use crate::program::{folder, words};
 
 /// A film with one text changed.
 fn film_with(tag: (u16, u16), vr: &'static str, value: &str) -> Maker {
@@ -12,13 +13,12 @@ fn film_with(tag: (u16, u16), vr: &'static str, value: &str) -> Maker {
 
 #[test]
 fn a_spacing_that_cannot_be_read_is_asked_for_and_a_shape_alone_answers_it() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film_with((0x28, 0x30), "DS", "0,5"));
-    let one = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
-    let error = here.refused(&one, 2);
+    let error = here.not_imported(&ERECT, 2);
     assert!(error.contains("is `0,5`") && error.contains("--spacing erect="), "{error}");
     assert!(!here.path("a/case.json").exists());
-    let out = here.imported(&[&one[..], &["--spacing", "1,2,pixels"]].concat());
+    let out = here.imported(&[&ERECT[..], &["--spacing", "1,2,pixels"]].concat());
     assert!(out.contains("erect"), "{out}");
     let image = &here.json("a/case.json")["films"][0]["image"];
     assert_eq!((&image["pixel_aspect"], &image["spacing_plane"]), (&2.0.into(), &"pixels".into()));
@@ -27,10 +27,10 @@ fn a_spacing_that_cannot_be_read_is_asked_for_and_a_shape_alone_answers_it() {
 
 #[test]
 fn a_spacing_with_a_comma_between_is_read_and_its_text_shown() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film_with((0x28, 0x30), "DS", "0.500,0.250"));
-    let out = here.imported(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"]);
-    let words = out.split_whitespace().collect::<Vec<_>>().join(" ");
+    let out = here.imported(&ERECT);
+    let words = words(&out);
     assert!(words.contains("is `0.500,0.250`") && words.contains("--spacing"), "{out}");
     let image = &here.json("a/case.json")["films"][0]["image"];
     assert_eq!(
@@ -41,28 +41,26 @@ fn a_spacing_with_a_comma_between_is_read_and_its_text_shown() {
 
 #[test]
 fn a_pixel_aspect_ratio_is_used_without_a_spacing_and_asked_about_where_it_contradicts_one() {
-    let here = Here::new();
+    let here = folder();
     let mut alone = film_with((0x28, 0x34), "IS", "1\\2");
     alone.remove((0x28, 0x30)).remove((0x28, 0xA02));
     put(&here, "a.dcm", &alone);
-    here.imported(&["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"]);
+    here.imported(&ERECT);
     let image = &here.json("a/case.json")["films"][0]["image"];
     assert_eq!(image["pixel_aspect"], 0.5);
     assert_eq!(image["spacing_source"], "pixel_aspect");
     // The spacing has rows at twice the distance of columns.
     put(&here, "b.dcm", &film_with((0x28, 0x34), "IS", "1\\2"));
-    let error = here.refused(&["b.dcm", "--case-id", "B", "--out", "b", "--film", "erect=1"], 2);
+    let error =
+        here.not_imported(&["b.dcm", "--case-id", "B", "--out", "b", "--film", "erect=1"], 2);
     assert!(error.contains("2.000") && error.contains("0.500"), "{error}");
 }
 
 #[test]
 fn points_of_a_ball_outside_of_the_picture_are_refused_with_its_size() {
-    let here = Here::new();
+    let here = folder();
     put(&here, "a.dcm", &film(1));
     let ball = "erect=70,110,75,110,25";
-    let error = here.refused(
-        &["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1", "--ball", ball],
-        2,
-    );
+    let error = here.not_imported(&[&ERECT[..], &["--ball", ball]].concat(), 2);
     assert!(error.contains("the point 70.0, 110.0") && error.contains("60 × 41"), "{error}");
 }

@@ -3,28 +3,27 @@
 use std::fs;
 
 use serde_json::Value;
-use tempfile::TempDir;
 
-use crate::program::{CASE, done, folder, json, refused, run, words};
+use crate::program::{CASE, Here, folder, json, words};
 
 /// This number of synthetic patients in `cases`, and one more in `other`. Subject 6 has two films of one shape.
-fn cohort(patients: usize) -> TempDir {
+fn cohort(patients: usize) -> Here {
     let here = folder();
     for subject in ["1", "2", "3", "4", "5", "7"].into_iter().take(patients) {
-        done(here.path(), &["phantom", "--subject", subject, "--out", "cases"]);
+        here.add_phantom(&["--subject", subject]);
     }
-    done(here.path(), &["phantom", "--subject", "9", "--out", "other"]);
+    here.done(&["phantom", "--subject", "9", "--out", "other"]);
     here
 }
 
 #[test]
 fn a_learned_distribution_predicts_the_bends_of_another_patient() {
     let here = cohort(6);
-    let said = done(here.path(), &["learn-prior", "cases", "--out", "prior.json"]);
+    let said = here.done(&["learn-prior", "cases", "--out", "prior.json"]);
     for part in ["6 patients, 12 bends", "SYNTHETIC", "L4/L3", "tilt of the top vertebra"] {
         assert!(said.contains(part), "{part}: {said}");
     }
-    let file = json(&here.path().join("prior.json"));
+    let file = here.json("prior.json");
     assert_eq!(file["synthetic"], true);
     assert_eq!(file["prior"]["patients"], 6);
     assert_eq!(file["left_out"]["patients"], 6);
@@ -32,7 +31,7 @@ fn a_learned_distribution_predicts_the_bends_of_another_patient() {
 
     let analyzed = |more: &[&str]| -> Value {
         let asked = ["analyze", "other", "--json", "-"];
-        serde_json::from_str(&done(here.path(), &[&asked[..], more].concat())).expect("JSON")
+        json(&here.done(&[&asked[..], more].concat()))
     };
     let with = analyzed(&["--rotation-prior", "prior.json"]);
     let left_out = |analysis: &Value, baseline: &str| {
@@ -50,25 +49,25 @@ fn a_learned_distribution_predicts_the_bends_of_another_patient() {
     let published = left_out(&without, "rotation_prior_with_tilt");
     assert!(published.is_some() && published != tilt);
     // The analysis is repeated from its own file.
-    fs::write(here.path().join("with.json"), with.to_string()).expect("a place");
-    let said = done(here.path(), &["rerun", "with.json"]);
+    here.write("with.json", with.to_string());
+    let said = here.done(&["rerun", "with.json"]);
     assert!(said.contains("Nothing differs"), "{said}");
 }
 
 #[test]
 fn nothing_is_predicted_of_patients_who_were_learned_from() {
     let here = cohort(5);
-    done(here.path(), &["learn-prior", "cases", "--out", "prior.json"]);
+    here.done(&["learn-prior", "cases", "--out", "prior.json"]);
     for command in ["analyze", "report"] {
-        let error = refused(here.path(), &[command, CASE, "--rotation-prior", "prior.json"], 3);
+        let error = here.refused(&[command, CASE, "--rotation-prior", "prior.json"], 3);
         assert!(error.contains("was learned from the case"), "{error}");
         assert!(error.contains("learn it from other cases"), "{error}");
     }
     // The same patient in a file with other bytes, and with other letters in its identifier.
-    let saved_again = json(&here.path().join(CASE)).to_string().replace("phantom", "PHANTOM");
-    fs::write(here.path().join("again.json"), saved_again + "\n\n").expect("a place");
+    let saved_again = here.json(CASE).to_string().replace("phantom", "PHANTOM");
+    here.write("again.json", saved_again + "\n\n");
     let asked = ["analyze", "again.json", "--rotation-prior", "prior.json"];
-    let error = refused(here.path(), &asked, 3);
+    let error = here.refused(&asked, 3);
     assert!(error.contains("was learned from the case"), "{error}");
 }
 
@@ -76,14 +75,11 @@ fn nothing_is_predicted_of_patients_who_were_learned_from() {
 fn a_distribution_of_tilts_by_another_rule_is_refused() {
     let here = cohort(5);
     for (rule, other) in [("endplates", "axis"), ("axis", "endplates")] {
-        done(
-            here.path(),
-            &["learn-prior", "cases", "--tilt", rule, "--out", "prior.json", "--overwrite"],
-        );
-        assert_eq!(json(&here.path().join("prior.json"))["tilt"], rule);
+        here.done(&["learn-prior", "cases", "--tilt", rule, "--out", "prior.json", "--overwrite"]);
+        assert_eq!(here.json("prior.json")["tilt"], rule);
         let analyze = ["analyze", "other", "--rotation-prior", "prior.json", "--tilt"];
-        done(here.path(), &[&analyze[..], &[rule]].concat());
-        let error = refused(here.path(), &[&analyze[..], &[other]].concat(), 3);
+        here.done(&[&analyze[..], &[rule]].concat());
+        let error = here.refused(&[&analyze[..], &[other]].concat(), 3);
         let (error, said) = (words(&error), format!("learned with tilts by `{rule}`"));
         assert!(error.contains(&said), "{error}");
     }
@@ -92,15 +88,15 @@ fn a_distribution_of_tilts_by_another_rule_is_refused() {
 #[test]
 fn too_few_patients_doubted_films_and_files_without_a_distribution_are_refused() {
     let here = cohort(4);
-    let error = refused(here.path(), &["learn-prior", "cases", "--out", "prior.json"], 3);
+    let error = here.refused(&["learn-prior", "cases", "--out", "prior.json"], 3);
     assert!(error.contains("4 patients") && error.contains("at least 5"), "{error}");
-    assert!(!here.path().join("prior.json").exists());
+    assert!(!here.path("prior.json").exists());
 
-    done(here.path(), &["phantom", "--subject", "5", "--out", "cases"]);
-    done(here.path(), &["phantom", "--subject", "6", "--out", "cases"]);
+    here.add_phantom(&["--subject", "5"]);
+    here.add_phantom(&["--subject", "6"]);
     // The erect film again, moved by five pixels, under the name of a bend.
-    let doubted = here.path().join("cases/phantom-rod-06.json");
-    let mut case = json(&doubted);
+    let doubted = "cases/phantom-rod-06.json";
+    let mut case = here.json(doubted);
     let film = |case: &Value, posture: &str| {
         let mut films = case["films"].as_array().expect("films").iter();
         films.position(|film| film["posture"] == posture).expect("every posture")
@@ -119,16 +115,16 @@ fn too_few_patients_doubted_films_and_files_without_a_distribution_are_refused()
         }
     }
     case["films"][left] = again;
-    fs::write(&doubted, case.to_string()).expect("a place");
-    let error = refused(here.path(), &["learn-prior", "cases", "--out", "prior.json"], 3);
+    here.write(doubted, case.to_string());
+    let error = here.refused(&["learn-prior", "cases", "--out", "prior.json"], 3);
     assert!(error.contains("may not show what it is named after"), "{error}");
-    fs::remove_file(here.path().join("prior.json")).expect("of the others");
-    fs::remove_file(here.path().join("cases/phantom-rod-06.json")).expect("the doubted one");
-    done(here.path(), &["learn-prior", "cases", "--out", "prior.json"]);
-    let mut file = json(&here.path().join("prior.json"));
+    fs::remove_file(here.path("prior.json")).expect("of the others");
+    fs::remove_file(here.path(doubted)).expect("the doubted one");
+    here.done(&["learn-prior", "cases", "--out", "prior.json"]);
+    let mut file = here.json("prior.json");
     file["prior"]["covariance_deg2"][0][0] = (-1.0).into();
-    fs::write(here.path().join("broken.json"), file.to_string()).expect("a place");
-    let error = refused(here.path(), &["analyze", "other", "--rotation-prior", "broken.json"], 3);
+    here.write("broken.json", file.to_string());
+    let error = here.refused(&["analyze", "other", "--rotation-prior", "broken.json"], 3);
     assert!(error.contains("broken.json") && error.contains("positive definite"), "{error}");
     assert!(error.contains("learn-prior"), "{error}");
 }
@@ -136,10 +132,10 @@ fn too_few_patients_doubted_films_and_files_without_a_distribution_are_refused()
 #[test]
 fn a_bad_case_and_a_patient_twice_are_reported_and_left_out() {
     let here = cohort(5);
-    fs::copy(here.path().join(CASE), here.path().join("again.json")).expect("a copy");
-    fs::write(here.path().join("bad.json"), "{}").expect("a place");
+    fs::copy(here.path(CASE), here.path("again.json")).expect("a copy");
+    here.write("bad.json", "{}");
     let asked = ["learn-prior", "cases", "again.json", "bad.json", "--out", "prior.json"];
-    let (said, error, code) = run(here.path(), &asked);
+    let (said, error, code) = here.run(&asked);
     assert_eq!(code, 3, "{error}");
     assert!(error.contains("bad.json") && error.contains("was given already"), "{error}");
     assert!(said.contains("5 patients"), "{said}");

@@ -1,10 +1,10 @@
 //! The notices that the program prints.
 
-use crate::program::{done, folder};
+use crate::program::folder;
 
 #[test]
 fn licences_of_crates_fonts_weights_and_the_app_are_printed() {
-    let text = done(folder().path(), &["licences"]);
+    let text = folder().done(&["licences"]);
     // The crates of the program, of its font and of the Python module, with licences by their text.
     for part in ["crate rusqlite 0", "crate dejavu 2", "crate pyo3 0", "crate tokio 1"] {
         assert!(text.contains(part), "{part}");

@@ -4,16 +4,15 @@ use std::fs;
 use std::path::Path;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use tempfile::TempDir;
 
-use crate::program;
+use crate::program::{self, Here};
 
 /// Three patients, analysed as a whole into `whole` and by shards into `part1` and `part2`.
-fn analysed() -> TempDir {
+fn analysed() -> Here {
     let here = program::with_phantoms("rod", &["1", "2", "3"]);
-    program::done(here.path(), &["analyze", "cases", "--tables", "whole"]);
+    here.done(&["analyze", "cases", "--tables", "whole"]);
     for (shard, folder) in [("1/2", "part1"), ("2/2", "part2")] {
-        program::done(here.path(), &["analyze", "cases", "--shard", shard, "--tables", folder]);
+        here.done(&["analyze", "cases", "--shard", shard, "--tables", folder]);
     }
     here
 }
@@ -27,9 +26,9 @@ fn rows(path: &Path) -> Vec<String> {
 #[test]
 fn merged_shards_are_the_tables_of_one_run() {
     let here = analysed();
-    let said = program::done(here.path(), &["merge", "part2", "part1", "--out", "merged"]);
+    let said = here.done(&["merge", "part2", "part1", "--out", "merged"]);
     assert!(said.starts_with("3 cases of 2 parts in "), "{said}");
-    let (whole, merged) = (here.path().join("whole"), here.path().join("merged"));
+    let (whole, merged) = (here.path("whole"), here.path("merged"));
     let mut tables = 0;
     for entry in fs::read_dir(&whole).expect("a folder") {
         let name = entry.expect("a file").file_name().into_string().expect("a name");
@@ -44,7 +43,7 @@ fn merged_shards_are_the_tables_of_one_run() {
         }
     }
     assert!(tables > 20, "{tables}");
-    let list = program::json(&merged.join("provenance.json"));
+    let list = here.json("merged/provenance.json");
     assert_eq!(list["provenance"]["inputs"].as_array().expect("inputs").len(), 3);
     assert_eq!(list["provenance"]["films"], "synthetic");
     let metadata =
@@ -55,8 +54,8 @@ fn merged_shards_are_the_tables_of_one_run() {
     assert_eq!(origin.len(), 1, "only the one of the merged file");
     assert!(origin[0].value.as_ref().expect("provenance").contains("\"merge\""));
     // Merged tables can be merged again, and are replaced when the command is repeated.
-    program::done(here.path(), &["merge", "part1", "part2", "--out", "merged"]);
-    program::done(here.path(), &["merge", "merged", "--out", "again"]);
+    here.done(&["merge", "part1", "part2", "--out", "merged"]);
+    here.done(&["merge", "merged", "--out", "again"]);
 }
 
 #[test]
@@ -65,7 +64,7 @@ fn parts_that_do_not_go_together_are_refused_and_named() {
     let merge = |parts: &[&str]| {
         let arguments: Vec<&str> =
             ["merge"].iter().chain(parts).chain(&["--out", "merged"]).copied().collect();
-        program::refused(here.path(), &arguments, 3)
+        here.refused(&arguments, 3)
     };
     let text = merge(&["part1"]);
     assert!(text.contains("1 shard missing: 2/2"), "{text}");
@@ -75,45 +74,42 @@ fn parts_that_do_not_go_together_are_refused_and_named() {
     assert!(text.contains("whole: it is not one of 2 shards"), "{text}");
     let text = merge(&["cases"]);
     assert!(text.contains("cases: it has no provenance.json"), "{text}");
-    program::done(here.path(), &["analyze", "cases", "--tables", "other", "--support", "free"]);
+    here.done(&["analyze", "cases", "--tables", "other", "--support", "free"]);
     let text = merge(&["whole", "other"]);
     assert!(text.contains("another version or other options than whole"), "{text}");
-    program::done(here.path(), &["analyze", program::CASE, "--tables", "one"]);
+    here.done(&["analyze", program::CASE, "--tables", "one"]);
     let text = merge(&["whole", "one"]);
     assert!(text.contains("is in whole too"), "{text}");
-    fs::write(here.path().join("part2/joints.csv"), "case_id\nx\n").expect("a table");
+    here.write("part2/joints.csv", "case_id\nx\n");
     let text = merge(&["part1", "part2"]);
     assert!(text.contains("part2/joints.csv: it is not as the analysis wrote it"), "{text}");
-    assert!(!here.path().join("merged").exists(), "nothing is left of a merge that failed");
-    let text = program::refused(here.path(), &["merge", "whole", "--out", "whole"], 3);
+    assert!(!here.path("merged").exists(), "nothing is left of a merge that failed");
+    let text = here.refused(&["merge", "whole", "--out", "whole"], 3);
     assert!(text.contains("input of this command"), "{text}");
 }
 
 #[test]
 fn a_shard_writes_lists_and_needs_a_case() {
     let here = program::with_phantoms("rod", &["1", "2"]);
-    program::done(here.path(), &["analyze", "cases", "--json", "whole.json"]);
-    program::done(here.path(), &["analyze", "cases", "--shard", "2/2", "--json", "part.json"]);
-    let (whole, part) = (
-        program::json(&here.path().join("whole.json")),
-        program::json(&here.path().join("part.json")),
-    );
+    here.done(&["analyze", "cases", "--json", "whole.json"]);
+    here.done(&["analyze", "cases", "--shard", "2/2", "--json", "part.json"]);
+    let (whole, part) = (here.json("whole.json"), here.json("part.json"));
     assert_eq!(part.as_array().expect("a list").len(), 1);
     assert_eq!(part[0]["case_id"], whole[1]["case_id"]);
-    let text = program::refused(here.path(), &["analyze", "cases", "--shard", "1/3"], 2);
+    let text = here.refused(&["analyze", "cases", "--shard", "1/3"], 2);
     assert!(text.contains("this part has no case, since there are 2 cases"), "{text}");
-    let text = program::refused(here.path(), &["analyze", "cases", "--shard", "4/3"], 2);
+    let text = here.refused(&["analyze", "cases", "--shard", "4/3"], 2);
     assert!(text.contains("expected a part and the number of parts"), "{text}");
 }
 
 #[test]
 fn a_shard_without_a_usable_case_is_merged_too() {
     let here = program::with_phantoms("rod", &["1", "2"]);
-    fs::write(here.path().join("cases/a.json"), "{}").expect("a file");
-    program::refused(here.path(), &["analyze", "cases", "--shard", "1/3", "--tables", "1"], 3);
+    here.write("cases/a.json", "{}");
+    here.refused(&["analyze", "cases", "--shard", "1/3", "--tables", "1"], 3);
     for (shard, folder) in [("2/3", "2"), ("3/3", "3")] {
-        program::done(here.path(), &["analyze", "cases", "--shard", shard, "--tables", folder]);
+        here.done(&["analyze", "cases", "--shard", shard, "--tables", folder]);
     }
-    let said = program::done(here.path(), &["merge", "1", "2", "3", "--out", "merged"]);
+    let said = here.done(&["merge", "1", "2", "3", "--out", "merged"]);
     assert!(said.starts_with("3 cases of 3 parts"), "{said}");
 }

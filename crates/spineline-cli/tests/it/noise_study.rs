@@ -1,9 +1,8 @@
 //! `spineline noise-study` as its users call it, on a few phantoms.
 
 use std::collections::BTreeMap;
-use std::fs;
 
-use crate::program::done;
+use crate::program::folder;
 use crate::results::results;
 
 type Row = BTreeMap<String, String>;
@@ -32,26 +31,25 @@ fn exact<'a>(rows: &'a [Row], scenario: &str, order: &str) -> &'a Row {
 
 #[test]
 fn a_small_study_is_complete_and_does_not_depend_on_threads() {
-    let here = tempfile::tempdir().expect("a place for files");
-    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("written");
+    let here = folder();
     let study = |out: &str, threads: &str| {
         let few = ["--phantoms", "2", "--scenarios", "rod,flatten,pull", "--seed", "4"];
         let mut arguments = vec!["noise-study", "--out", out, "--threads", threads];
         arguments.extend(few);
-        done(here.path(), &arguments)
+        here.done(&arguments)
     };
     let text = study("one", "1");
     study("two", "2");
     for file in ["noise-study.csv", "noise-study.svg"] {
-        let bytes = |out: &str| results(&read(&format!("{out}/{file}")));
+        let bytes = |out: &str| results(&here.text(format!("{out}/{file}")));
         assert_eq!(bytes("one"), bytes("two"));
     }
     assert!(
         text.contains("SYNTHETIC") && text.contains("Claim 3") && text.contains("leave-one-out")
     );
-    let svg = read("one/noise-study.svg");
+    let svg = here.text("one/noise-study.svg");
     assert!(svg.contains("synthetic data") && svg.contains("noise (mm)"));
-    let rows = rows(&read("one/noise-study.csv"));
+    let rows = rows(&here.text("one/noise-study.csv"));
     // Scenarios × rules and supports × deviations.
     assert_eq!(rows.len(), 3 * 7 * 7);
     for row in &rows {
@@ -77,9 +75,9 @@ fn a_small_study_is_complete_and_does_not_depend_on_threads() {
 
 #[test]
 fn a_study_without_rods_has_no_comparison_with_them() {
-    let here = tempfile::tempdir().expect("a place for files");
-    done(here.path(), &["noise-study", "--phantoms", "2", "--scenarios", "random", "--out", "."]);
-    let rows = rows(&fs::read_to_string(here.path().join("noise-study.csv")).expect("written"));
+    let here = folder();
+    here.done(&["noise-study", "--phantoms", "2", "--scenarios", "random", "--out", "."]);
+    let rows = rows(&here.text("noise-study.csv"));
     assert_eq!(rows.len(), 7 * 7);
     assert!(rows.iter().all(|row| row["rod_exceeds_near_share"].is_empty()));
 }

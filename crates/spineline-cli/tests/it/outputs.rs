@@ -3,27 +3,21 @@
 use std::fs;
 use std::path::Path;
 
-use tempfile::TempDir;
-
-use crate::program::{refused, run};
+use crate::program::{Here, folder};
 
 /// A folder with everything that the commands below read.
-fn samples() -> TempDir {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let make = |arguments: &[&str]| {
-        let (_, error, code) = run(here.path(), arguments);
-        assert!(code == 0 || code == 4, "{arguments:?}: {code} {error}");
-    };
-    make(&["phantom", "--scenario", "rod", "--subject", "1", "--noise", "0", "--out", "p"]);
-    fs::rename(here.path().join("p/phantom-rod-01.json"), here.path().join("case.json"))
-        .expect("a case");
-    make(&["analyze", "case.json", "--json", "analysis.json", "--model", "model.json"]);
-    make(&["study", "create", "study.spineline"]);
-    fs::write(here.path().join("readings.csv"), READINGS).expect("a table");
+fn samples() -> Here {
+    let here = folder();
+    here.wrote(&["phantom", "--scenario", "rod", "--subject", "1", "--noise", "0", "--out", "p"]);
+    fs::rename(here.path("p/phantom-rod-01.json"), here.path("case.json")).expect("a case");
+    here.wrote(&["analyze", "case.json", "--json", "analysis.json", "--model", "model.json"]);
+    here.wrote(&["study", "create", "study.spineline"]);
+    here.write("readings.csv", READINGS);
     here
 }
 
-const READINGS: &str = "quantity,unit,subject,observer,repeat,value,synthetic
+/// A table of readings.
+pub const READINGS: &str = "quantity,unit,subject,observer,repeat,value,synthetic
 t,deg,P1,A,1,1.0,true\nt,deg,P1,B,1,1.5,true\nt,deg,P2,A,1,3.0,true\nt,deg,P2,B,1,3.4,true
 t,deg,P3,A,1,5.0,true\nt,deg,P3,B,1,5.3,true\n";
 
@@ -87,13 +81,13 @@ fn content(folder: &Path) -> Vec<(String, Vec<u8>)> {
 
 /// A refused command leaves every file as it is, and says which one it would have destroyed.
 #[track_caller]
-fn refuses(here: &TempDir, arguments: &[&str], name: &str, why: &str) {
-    let before = content(here.path());
-    let (out, error, code) = run(here.path(), arguments);
+fn refuses(here: &Here, arguments: &[&str], name: &str, why: &str) {
+    let before = content(here.folder());
+    let (out, error, code) = here.run(arguments);
     assert_eq!(code, 3, "{arguments:?}: {out}{error}");
     assert!(error.contains(name) && error.contains(why), "{arguments:?}: {error}");
     assert!(error.contains("help: "), "{arguments:?}: {error}");
-    assert!(before == content(here.path()), "{arguments:?} changed files");
+    assert!(before == content(here.folder()), "{arguments:?} changed files");
 }
 
 #[test]
@@ -103,18 +97,18 @@ fn no_command_replaces_its_input() {
         refuses(&here, &with(command, command[1]), command[1], "input");
     }
     // Through another spelling, a link and a second name.
-    fs::hard_link(here.path().join("case.json"), here.path().join("hard.json")).expect("a link");
+    fs::hard_link(here.path("case.json"), here.path("hard.json")).expect("a link");
     let mut names = vec!["./p/../case.json", "hard.json"];
     if cfg!(unix) {
         #[cfg(unix)]
-        std::os::unix::fs::symlink("case.json", here.path().join("soft.json")).expect("a link");
+        std::os::unix::fs::symlink("case.json", here.path("soft.json")).expect("a link");
         names.push("soft.json");
     }
     for name in names {
         refuses(&here, &["analyze", "case.json", "--json", name, "--overwrite"], name, "input");
     }
-    let stiffness = run(here.path(), &["stiffness"]).0;
-    fs::write(here.path().join("stiffness.csv"), stiffness).expect("a table");
+    let stiffness = here.run(&["stiffness"]).0;
+    here.write("stiffness.csv", stiffness);
     let arguments =
         ["analyze", "case.json", "--stiffness", "stiffness.csv", "--csv", "stiffness.csv"];
     refuses(&here, &arguments, "stiffness.csv", "input");
@@ -136,18 +130,17 @@ fn no_command_replaces_a_store() {
 fn what_others_wrote_is_replaced_only_when_asked() {
     let here = samples();
     for command in TO_FILE {
-        fs::write(here.path().join("mine"), "notes of a week").expect("a file");
+        here.write("mine", "notes of a week");
         refuses(&here, &with(command, "mine"), "mine", "--overwrite");
         let arguments = [&with(command, "mine")[..], &["--overwrite"]].concat();
-        let (_, error, code) = run(here.path(), &arguments);
-        assert!(code == 0 || code == 4, "{arguments:?}: {error}");
-        let now = fs::read(here.path().join("mine")).expect("a file");
+        here.wrote(&arguments);
+        let now = fs::read(here.path("mine")).expect("a file");
         assert_ne!(now, b"notes of a week", "{arguments:?}");
-        fs::remove_file(here.path().join("mine")).expect("a file");
-        let _ = fs::remove_file(here.path().join("mine.provenance.json"));
+        fs::remove_file(here.path("mine")).expect("a file");
+        let _ = fs::remove_file(here.path("mine.provenance.json"));
     }
     // A case holds landmarks, whichever program wrote it.
-    fs::copy(here.path().join("case.json"), here.path().join("other.json")).expect("a copy");
+    fs::copy(here.path("case.json"), here.path("other.json")).expect("a copy");
     refuses(&here, &["analyze", "case.json", "--json", "other.json"], "other.json", "--overwrite");
 }
 
@@ -157,14 +150,13 @@ fn a_command_replaces_its_own_results() {
     for command in TO_FILE.iter().chain(&TO_FOLDER).filter(|command| command[0] != "noise-study") {
         for _ in 0..2 {
             let arguments = with(command, "result");
-            let (_, error, code) = run(here.path(), &arguments);
-            assert!(code == 0 || code == 4, "{arguments:?}: {error}");
+            here.wrote(&arguments);
         }
-        let result = here.path().join("result");
+        let result = here.path("result");
         let removed =
             if result.is_dir() { fs::remove_dir_all(&result) } else { fs::remove_file(&result) };
         removed.expect("a result");
-        let _ = fs::remove_file(here.path().join("result.provenance.json"));
+        let _ = fs::remove_file(here.path("result.provenance.json"));
     }
 }
 
@@ -183,17 +175,16 @@ fn edit(file: &Path, is_added: bool) {
 #[test]
 fn a_result_that_was_edited_is_replaced_only_when_asked() {
     let here = samples();
-    let file = here.path().join("result");
+    let file = here.path("result");
     for command in TO_FILE {
         for is_added in [true, false] {
             let arguments = with(command, "result");
-            run(here.path(), &arguments);
+            here.run(&arguments);
             edit(&file, is_added);
             refuses(&here, &arguments, "result", "--overwrite");
-            let (_, error, code) = run(here.path(), &[&arguments[..], &["--overwrite"]].concat());
-            assert!(code == 0 || code == 4, "{command:?}: {error}");
+            here.wrote(&[&arguments[..], &["--overwrite"]].concat());
             fs::remove_file(&file).expect("a result");
-            let _ = fs::remove_file(here.path().join("result.provenance.json"));
+            let _ = fs::remove_file(here.path("result.provenance.json"));
         }
     }
 }
@@ -209,21 +200,21 @@ fn an_edited_file_of_a_folder_is_replaced_only_when_asked() {
         (TO_FOLDER[4], "erect.mrk.json"),
     ] {
         let arguments = with(command, "result");
-        run(here.path(), &arguments);
-        edit(&here.path().join("result").join(name), true);
-        let before = content(here.path());
-        let (_, error, code) = run(here.path(), &arguments);
+        here.run(&arguments);
+        edit(&here.path("result").join(name), true);
+        let before = content(here.folder());
+        let (_, error, code) = here.run(&arguments);
         assert!(code == 3 && error.contains(name) && error.contains("--overwrite"), "{error}");
-        assert!(before == content(here.path()), "{arguments:?} changed files");
-        fs::remove_dir_all(here.path().join("result")).expect("a folder");
+        assert!(before == content(here.folder()), "{arguments:?} changed files");
+        fs::remove_dir_all(here.path("result")).expect("a folder");
     }
     let report = ["report", "case.json", "--to", "md", "--out", "r.md", "--figures", "pictures"];
-    run(here.path(), &report);
-    let folder = fs::read_dir(here.path().join("r-figures")).expect("figures");
+    here.run(&report);
+    let folder = fs::read_dir(here.path("r-figures")).expect("figures");
     let figure = folder.map(|one| one.expect("a figure").path()).min().expect("a figure");
     edit(&figure, false);
     let before = fs::read(&figure).expect("a figure");
-    let (_, error, code) = run(here.path(), &report);
+    let (_, error, code) = here.run(&report);
     let name = figure.file_name().expect("a name").to_string_lossy();
     assert!(code == 3 && error.contains(&*name) && error.contains("--overwrite"), "{error}");
     assert!(fs::read(&figure).expect("a figure") == before);
@@ -232,14 +223,9 @@ fn an_edited_file_of_a_folder_is_replaced_only_when_asked() {
 #[test]
 fn a_result_of_another_patient_is_replaced_only_when_asked() {
     let here = samples();
-    let make = |arguments: &[&str]| {
-        let (_, error, code) = run(here.path(), arguments);
-        assert!(code == 0 || code == 4, "{arguments:?}: {code} {error}");
-    };
-    make(&["phantom", "--scenario", "rod", "--subject", "2", "--noise", "0", "--out", "p"]);
-    fs::rename(here.path().join("p/phantom-rod-02.json"), here.path().join("other-case.json"))
-        .expect("a case");
-    make(&[
+    here.wrote(&["phantom", "--scenario", "rod", "--subject", "2", "--noise", "0", "--out", "p"]);
+    fs::rename(here.path("p/phantom-rod-02.json"), here.path("other-case.json")).expect("a case");
+    here.wrote(&[
         "analyze",
         "other-case.json",
         "--json",
@@ -248,21 +234,21 @@ fn a_result_of_another_patient_is_replaced_only_when_asked() {
         "other-model.json",
     ]);
     for command in TO_FILE.iter().filter(|command| command[1] != "readings.csv") {
-        make(&with(command, "result"));
+        here.wrote(&with(command, "result"));
         let other = format!("other-{}", command[1]);
         let mut arguments = with(command, "result");
         arguments[1] = &other;
         refuses(&here, &arguments, "phantom-rod-01", "--overwrite");
-        make(&[&arguments[..], &["--overwrite"]].concat());
-        make(&arguments);
-        fs::remove_file(here.path().join("result")).expect("a result");
-        let _ = fs::remove_file(here.path().join("result.provenance.json"));
-        let _ = fs::remove_dir_all(here.path().join("result-figures"));
+        here.wrote(&[&arguments[..], &["--overwrite"]].concat());
+        here.wrote(&arguments);
+        fs::remove_file(here.path("result")).expect("a result");
+        let _ = fs::remove_file(here.path("result.provenance.json"));
+        let _ = fs::remove_dir_all(here.path("result-figures"));
     }
     // A cohort may gain patients and lose none.
     let of = |cases: &[&str]| {
         let outputs = ["--json", "all.json", "--csv", "all.csv", "--tables", "tables"];
-        run(here.path(), &[&["analyze"], cases, &outputs].concat())
+        here.run(&[&["analyze"], cases, &outputs].concat())
     };
     assert_eq!(of(&["case.json"]).2, 0);
     assert_eq!(of(&["case.json", "other-case.json"]).2, 0);
@@ -274,10 +260,10 @@ fn a_result_of_another_patient_is_replaced_only_when_asked() {
 #[cfg(unix)]
 fn a_result_is_made_again_from_a_pipe() {
     let here = samples();
-    let case = fs::read(here.path().join("case.json")).expect("a case");
+    let case = fs::read(here.path("case.json")).expect("a case");
     for _ in 0..2 {
         let outputs = ["--json", "a.json", "--csv", "a.csv", "--tables", "t", "--figures", "f"];
-        let mut command = crate::program::spineline(here.path());
+        let mut command = crate::program::spineline(here.folder());
         command.args(["analyze", "/dev/stdin"]).args(outputs).write_stdin(case.clone());
         let (_, error, code) = crate::program::finish(&mut command);
         assert_eq!(code, 0, "{error}");
@@ -298,15 +284,15 @@ fn names_that_differ_in_case_alone_are_one_name() {
         "phantom-rod-01-overview.svg",
         "two outputs",
     );
-    let case = fs::read_to_string(here.path().join("case.json")).expect("a case");
-    fs::create_dir(here.path().join("two")).expect("a folder");
+    let case = here.text("case.json");
+    fs::create_dir(here.path("two")).expect("a folder");
     for id in ["P01", "p01"] {
         let text = case.replace("phantom-rod-01", id);
         let name = format!("two/of-{}.json", u8::from(id == "P01"));
-        fs::write(here.path().join(name), text).expect("a case");
+        here.write(name, text);
     }
     let cohort = ["analyze", "two", "--json", "all.json", "--figures", "figures"];
-    let (_, error, code) = run(here.path(), &cohort);
+    let (_, error, code) = here.run(&cohort);
     assert!(code == 3 && error.contains("was given already as"), "{error}");
 }
 
@@ -317,7 +303,7 @@ fn two_outputs_need_two_files() {
     refuses(&here, &arguments, "out.x", "two outputs");
     let beside = ["analyze", "case.json", "--csv", "a.csv", "--json", "a.csv.provenance.json"];
     refuses(&here, &beside, "a.csv.provenance.json", "two outputs");
-    refused(here.path(), &["analyze", "case.json", "--json", "-", "--csv", "-"], 2);
+    here.refused(&["analyze", "case.json", "--json", "-", "--csv", "-"], 2);
 }
 
 #[test]
@@ -345,11 +331,10 @@ fn a_place_that_cannot_be_written_is_refused_before_any_work() {
 fn the_standard_output_takes_any_one_file() {
     let here = samples();
     for command in TO_FILE.iter().filter(|command| !command.contains(&"--figures")) {
-        let before = content(here.path());
-        let (out, error, code) = run(here.path(), &with(command, "-"));
-        assert!(code == 0 || code == 4, "{command:?}: {error}");
+        let before = content(here.folder());
+        let out = here.wrote(&with(command, "-"));
         assert!(!out.is_empty(), "{command:?}");
-        let here = content(here.path());
+        let here = content(here.folder());
         let more: Vec<&String> =
             here.iter().filter(|file| !before.contains(file)).map(|(name, _)| name).collect();
         // Markdown has its figures beside it.
@@ -372,11 +357,10 @@ mod unix {
     #[test]
     fn a_device_is_written_into_and_stays_one() {
         let here = samples();
-        symlink("/dev/null", here.path().join("null")).expect("a link");
+        symlink("/dev/null", here.path("null")).expect("a link");
         for command in TO_FILE {
-            let (_, error, code) = run(here.path(), &with(command, "null"));
-            assert!(code == 0 || code == 4, "{command:?}: {error}");
-            let link = fs::symlink_metadata(here.path().join("null")).expect("a link");
+            here.wrote(&with(command, "null"));
+            let link = fs::symlink_metadata(here.path("null")).expect("a link");
             assert!(link.is_symlink(), "{command:?}");
             let device = fs::metadata("/dev/null").expect("a device");
             assert!(device.file_type().is_char_device(), "{command:?}");
@@ -386,7 +370,7 @@ mod unix {
     #[test]
     fn a_pipe_is_written_into_and_stays_one() {
         let here = samples();
-        let pipe = here.path().join("pipe");
+        let pipe = here.path("pipe");
         let made = Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
         assert!(made.success());
         for command in [TO_FILE[0], TO_FILE[1], TO_FILE[11]] {
@@ -394,8 +378,7 @@ mod unix {
                 let pipe = pipe.clone();
                 move || fs::read_to_string(pipe).expect("text")
             });
-            let (_, error, code) = run(here.path(), &with(command, "pipe"));
-            assert!(code == 0 || code == 4, "{command:?}: {error}");
+            here.wrote(&with(command, "pipe"));
             assert!(!reader.join().expect("read").is_empty(), "{command:?}");
             assert!(is_pipe(&pipe), "{command:?}");
         }
@@ -404,17 +387,17 @@ mod unix {
     #[test]
     fn the_device_of_the_standard_output_is_the_standard_output() {
         let here = samples();
-        let (dash, ..) = run(here.path(), &["export", "model.json", "--to", "mjcf", "--out", "-"]);
+        let (dash, ..) = here.run(&["export", "model.json", "--to", "mjcf", "--out", "-"]);
         for name in ["/dev/stdout", "/proc/self/fd/1"] {
-            let log = fs::File::create(here.path().join("log")).expect("a file");
+            let log = fs::File::create(here.path("log")).expect("a file");
             let status = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
                 .args(["export", "model.json", "--to", "mjcf", "--out", name])
-                .current_dir(here.path())
+                .current_dir(here.folder())
                 .stdout(Stdio::from(log))
                 .status()
                 .expect("the program starts");
             assert!(status.success());
-            assert_eq!(fs::read_to_string(here.path().join("log")).expect("a log"), dash);
+            assert_eq!(here.text("log"), dash);
         }
     }
 
@@ -422,14 +405,14 @@ mod unix {
     fn a_killed_run_leaves_nothing_that_the_next_one_does_not_remove() {
         let here = samples();
         let parts = || {
-            let names = content(here.path()).into_iter().map(|(name, _)| name);
+            let names = content(here.folder()).into_iter().map(|(name, _)| name);
             names.filter(|name| name.ends_with(".part")).count()
         };
         let long = ["--json", "a.json", "--replicates", "1000000", "--seed", "1"];
         let mut child = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
             .args(["analyze", "case.json"])
             .args(long)
-            .current_dir(here.path())
+            .current_dir(here.folder())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
@@ -438,36 +421,35 @@ mod unix {
             thread::sleep(std::time::Duration::from_millis(10));
         }
         // What a run has that goes on stays.
-        assert_eq!(run(here.path(), &["analyze", "case.json", "--csv", "b.csv"]).2, 0);
+        assert_eq!(here.run(&["analyze", "case.json", "--csv", "b.csv"]).2, 0);
         assert!(parts() > 0);
         child.kill().expect("it runs");
         child.wait().expect("an end");
         assert!(parts() > 0);
-        assert_eq!(run(here.path(), &["analyze", "case.json", "--json", "a.json"]).2, 0);
+        assert_eq!(here.run(&["analyze", "case.json", "--json", "a.json"]).2, 0);
         assert_eq!(parts(), 0);
     }
 
     #[test]
     fn a_link_stays_and_what_it_leads_to_is_replaced() {
         let here = samples();
-        fs::create_dir(here.path().join("far")).expect("a folder");
-        symlink("far/result", here.path().join("link")).expect("a link");
+        fs::create_dir(here.path("far")).expect("a folder");
+        symlink("far/result", here.path("link")).expect("a link");
         for command in TO_FILE {
             // The first time, the link leads to nothing.
             for _ in 0..2 {
-                let (_, error, code) = run(here.path(), &with(command, "link"));
-                assert!(code == 0 || code == 4, "{command:?}: {error}");
-                let link = fs::symlink_metadata(here.path().join("link")).expect("a link");
+                here.wrote(&with(command, "link"));
+                let link = fs::symlink_metadata(here.path("link")).expect("a link");
                 assert!(link.is_symlink(), "{command:?}");
-                let target = fs::metadata(here.path().join("far/result")).expect("a file");
+                let target = fs::metadata(here.path("far/result")).expect("a file");
                 assert!(target.is_file() && target.len() > 0, "{command:?}");
             }
             for name in ["far/result", "link.provenance.json"] {
-                let _ = fs::remove_file(here.path().join(name));
+                let _ = fs::remove_file(here.path(name));
             }
         }
-        symlink("round", here.path().join("round")).expect("a link");
-        let error = refused(here.path(), &["analyze", "case.json", "--json", "round"], 3);
+        symlink("round", here.path("round")).expect("a link");
+        let error = here.refused(&["analyze", "case.json", "--json", "round"], 3);
         assert!(error.contains("circle"), "{error}");
     }
 
@@ -475,9 +457,8 @@ mod unix {
     fn a_folder_is_complete_or_as_it_was() {
         let here = samples();
         for command in TO_FOLDER {
-            let (_, error, code) = run(here.path(), &with(command, "whole"));
-            assert!(code == 0 || code == 4, "{command:?}: {error}");
-            let whole = here.path().join("whole");
+            here.wrote(&with(command, "whole"));
+            let whole = here.path("whole");
             let files = fs::read_dir(&whole).expect("a folder");
             let names = files.map(|entry| entry.expect("an entry").file_name());
             // Something of the user's lies where the last file goes.
@@ -487,13 +468,13 @@ mod unix {
             fs::write(whole.join(&last), "notes of a week").expect("a file");
             let name = last.to_string_lossy().into_owned();
             let before = content(&whole);
-            let error = refused(here.path(), &with(command, "whole"), 3);
+            let error = here.refused(&with(command, "whole"), 3);
             assert!(error.contains(&name) && error.contains("--overwrite"), "{error}");
             // The table of a study is a result by itself.
             assert!(command[0] == "noise-study" || before == content(&whole), "{command:?}");
             assert_eq!(fs::read(whole.join(&last)).expect("a file"), b"notes of a week");
             fs::remove_dir_all(&whole).expect("a folder");
-            let _ = fs::remove_file(here.path().join("r.html"));
+            let _ = fs::remove_file(here.path("r.html"));
         }
     }
 }

@@ -2,15 +2,16 @@
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
+use std::fmt::Debug;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use tempfile::TempDir;
 
 use crate::maker::{DEFLATED, EXPLICIT, Maker, ramp};
-use crate::program::{done, refused, run, spineline};
+use crate::outputs::READINGS;
+use crate::program::{self, Here, finish, json, spineline, succeeded};
 use crate::unpacked::{first_held, holds, wrapped};
 
 /// In the folders of all inputs and outputs, the home folder and the user's name.
@@ -42,23 +43,22 @@ fn patients_film(columns: u16, rows: u16) -> Maker {
 }
 
 /// A folder whose path holds a canary, and its path.
-fn folder() -> (TempDir, PathBuf) {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let folder = here.path().join(PLACES[0]);
+fn folder() -> (Here, PathBuf) {
+    let here = program::folder();
+    let folder = here.path(PLACES[0]);
     fs::create_dir(&folder).expect("a folder");
     (here, folder)
 }
 
 /// Runs the program from another folder, so that every path is absolute.
-fn run_there(here: &Path, arguments: &[String]) -> i32 {
-    let home = here.join(PLACES[1]);
-    let mut command = spineline(here);
+fn run_there(here: &Here, arguments: &[impl AsRef<OsStr> + Debug]) {
+    let home = here.path(PLACES[1]);
+    let mut command = spineline(here.folder());
     command.env("HOME", &home).env("USER", PLACES[2]).env("LOGNAME", PLACES[2]);
     command.env("XDG_CONFIG_HOME", home.join(".config"));
     let output = command.args(arguments).output().expect("the program starts");
     let code = output.status.code().expect("an exit code");
     assert!(code == 0 || code == 4, "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    code
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {
@@ -150,13 +150,10 @@ fn every_output(inputs: &Path, out: &Path) -> Vec<Vec<String>> {
     lines
 }
 
-const READINGS: &str = "quantity,unit,subject,observer,repeat,value,synthetic
-t,deg,P1,A,1,1.0,true\nt,deg,P1,B,1,1.5,true\nt,deg,P2,A,1,3.0,true\nt,deg,P2,B,1,3.4,true
-t,deg,P3,A,1,5.0,true\nt,deg,P3,B,1,5.3,true\n";
-
 fn inputs(folder: &Path) {
-    done(folder, &["phantom", "--scenario", "rod", "--subject", "1", "--noise", "0", "--out", "."]);
-    fs::write(folder.join("stiffness.csv"), run(folder, &["stiffness"]).0).expect("a table");
+    let done = |arguments: &[&str]| succeeded(finish(spineline(folder).args(arguments)));
+    done(&["phantom", "--scenario", "rod", "--subject", "1", "--noise", "0", "--out", "."]);
+    fs::write(folder.join("stiffness.csv"), done(&["stiffness"])).expect("a table");
     fs::write(folder.join("readings.csv"), READINGS).expect("a table");
 }
 
@@ -164,9 +161,9 @@ fn inputs(folder: &Path) {
 fn no_output_names_a_folder_a_home_or_a_user() {
     let (here, folder) = folder();
     inputs(&folder);
-    let out = here.path().join(PLACES[3]);
+    let out = here.path(PLACES[3]);
     for line in every_output(&folder, &out) {
-        run_there(here.path(), &line);
+        run_there(&here, &line);
     }
     let files = files(&out);
     assert!(files.len() > 60, "{} files", files.len());
@@ -174,7 +171,7 @@ fn no_output_names_a_folder_a_home_or_a_user() {
     for kind in ["json", "csv", "parquet", "svg", "html", "md"] {
         assert!(kinds.contains(OsStr::new(kind)), "no {kind} among {kinds:?}");
     }
-    let here = here.path().display().to_string();
+    let here = here.folder().display().to_string();
     for file in files {
         assert_without(&file, &[&PLACES[..], &[here.as_str()]].concat());
     }
@@ -204,14 +201,14 @@ fn the_search_looks_into_real_outputs() {
     let (here, folder) = folder();
     inputs(&folder);
     let case = folder.join("phantom-rod-01.json").display().to_string();
-    let out = here.path().join("out");
+    let out = here.path("out");
     let to = |name: &str| out.join(name).display().to_string();
-    run_there(here.path(), &["analyze", &case, "--tables", &to("t")].map(str::to_owned));
+    run_there(&here, &["analyze", &case, "--tables", &to("t")]);
     let table = out.join("t").join("vertebrae.parquet");
     assert!(cells(&table).contains("phantom-rod-01"), "{}", cells(&table));
     if cfg!(feature = "pdf") {
         let line = ["report", &case, "--to", "pdf", "--out", &to("r.pdf")];
-        run_there(here.path(), &line.map(str::to_owned));
+        run_there(&here, &line);
         let bytes = fs::read(out.join("r.pdf")).expect("a report");
         // A key of the attached analysis.
         assert!(holds(&bytes, "sagittal_profile"));
@@ -223,11 +220,10 @@ fn the_command_line_can_be_kept_whole() {
     let (here, folder) = folder();
     inputs(&folder);
     let case = folder.join("phantom-rod-01.json").display().to_string();
-    let out = here.path().join("analysis.json");
+    let out = here.path("analysis.json");
     let line = ["analyze", &case, "--full-paths", "--json", &out.display().to_string()];
-    run_there(here.path(), &line.map(str::to_owned));
-    let text = fs::read_to_string(&out).expect("an analysis");
-    let value: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    run_there(&here, &line);
+    let value = here.json("analysis.json");
     assert_eq!(value["provenance"]["inputs"][0]["name"], case.as_str());
 }
 
@@ -239,7 +235,7 @@ fn a_cohort_names_a_case_that_it_refuses_without_its_folder() {
     inputs(&folder);
     fs::write(folder.join("broken.json"), "{").expect("a file");
     fs::remove_file(folder.join("phantom-rod-01.truth.json")).expect("a file");
-    let out = here.path().join("cohort.html");
+    let out = here.path("cohort.html");
     let program = assert_cmd::cargo::cargo_bin("spineline");
     let status = Command::new(program)
         .args(["report".as_ref(), folder.as_os_str(), "--out".as_ref(), out.as_os_str()])
@@ -254,19 +250,18 @@ fn a_cohort_names_a_case_that_it_refuses_without_its_folder() {
 fn an_imported_film_keeps_nothing_of_its_patient() {
     let (here, folder) = folder();
     fs::write(folder.join("ZqNameCanary.dcm"), film()).expect("a film");
-    let out = here.path().join("p07");
-    let store = here.path().join("studies.spineline").display().to_string();
+    let out = here.path("p07");
+    let store = here.path("studies.spineline").display().to_string();
     let text = |path: &Path| path.display().to_string();
     let case = text(&out.join("case.json"));
-    let words = |line: &[&str]| line.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
     let choice =
         ["--film", "erect=1", "--patient-left", "image-left", "--accept", "--case-id", "P07"];
     let ball = ["--ball", "erect=10,10,20,10,25"];
     let (from, to) = (text(&folder), text(&out));
     let import = [&["import", &from, "--out", &to][..], &choice, &ball].concat();
-    run_there(here.path(), &words(&import));
-    run_there(here.path(), &words(&["study", "create", &store]));
-    run_there(here.path(), &words(&["study", "add", &store, &case]));
+    run_there(&here, &import);
+    run_there(&here, &["study", "create", &store]);
+    run_there(&here, &["study", "add", &store, &case]);
     let made = files(&out).into_iter().chain([PathBuf::from(store)]);
     for file in made {
         assert_without(&file, &[&PATIENT[..], &PLACES].concat());
@@ -288,26 +283,25 @@ fn landmarks_of_a_de_identified_film_leave_without_its_patient() {
     fs::write(folder.join("film.dcm"), film.file(DEFLATED)).expect("a film");
     fs::write(folder.join("marks.csv"), LANDMARKS).expect("landmarks");
     let text = |path: PathBuf| path.display().to_string();
-    let words = |line: &[&str]| line.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
     let (from, marks) = (text(folder.join("film.dcm")), text(folder.join("marks.csv")));
-    let root = here.path().display().to_string();
+    let root = here.folder().display().to_string();
     let places = [&PLACES[..], &[root.as_str()]].concat();
     let choice = ["--film", "erect=1", "--patient-left", "image-left", "--accept"];
     for (name, keep, patient) in [("p07", None, false), ("kept", Some("--keep-identity"), true)] {
-        let out = here.path().join(PLACES[3]).join(name);
+        let out = here.path(PLACES[3]).join(name);
         let to = text(out.clone());
         let import = ["import", &from, "--landmarks", &marks, "--case-id", "P07", "--out", &to];
         let import = [&import[..], &choice, keep.as_slice()].concat();
-        run_there(here.path(), &words(&import));
+        run_there(&here, &import);
         let case = text(out.join("case.json"));
         let exports = out.join("exports");
         for (format, file) in [("dicom-sr", "r.dcm"), ("slicer", "s.mrk.json"), ("csv", "l.csv")] {
             let to = text(exports.join(file));
-            run_there(here.path(), &words(&["export", &case, "--to", format, "--out", &to]));
+            run_there(&here, &["export", &case, "--to", format, "--out", &to]);
         }
         let preview = text(exports.join("film.png"));
         let film = text(out.join("erect.dcm"));
-        run_there(here.path(), &words(&["film", &film, "--png", &preview, "--json"]));
+        run_there(&here, &["film", &film, "--png", &preview, "--json"]);
         let made = files(&exports);
         assert!(made.len() >= 4, "{made:?}");
         for file in made {
@@ -326,8 +320,7 @@ fn results_with_a_patients_film_do_not_name_the_patient() {
     let (here, folder) = folder();
     inputs(&folder);
     let path = folder.join("phantom-rod-01.json");
-    let text = fs::read_to_string(&path).expect("a case");
-    let mut case: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let mut case = json(&fs::read_to_string(&path).expect("a case"));
     let image = &mut case["films"][0]["image"];
     image["file"] = "film.dcm".into();
     let side = |key: &str| {
@@ -338,20 +331,13 @@ fn results_with_a_patients_film_do_not_name_the_patient() {
     fs::write(folder.join("film.dcm"), film.file(EXPLICIT)).expect("a film");
     fs::write(&path, case.to_string()).expect("a case");
     let case = path.display().to_string();
-    let out = here.path().join(PLACES[3]);
+    let out = here.path(PLACES[3]);
     let to = |name: &str| out.join(name).display().to_string();
-    let mut lines = vec![
-        vec!["report".to_owned(), case.clone(), "--out".to_owned(), to("r.html")],
-        ["analyze", &case, "--json", &to("a.json"), "--tables", &to("t"), "--figures", &to("f")]
-            .map(str::to_owned)
-            .to_vec(),
-    ];
+    run_there(&here, &["report", &case, "--out", &to("r.html")]);
+    let outputs = ["--json", &to("a.json"), "--tables", &to("t"), "--figures", &to("f")];
+    run_there(&here, &[&["analyze", &case][..], &outputs].concat());
     if cfg!(feature = "pdf") {
-        let line = ["report", &case, "--to", "pdf", "--out", &to("r.pdf")];
-        lines.push(line.map(str::to_owned).to_vec());
-    }
-    for line in lines {
-        run_there(here.path(), &line);
+        run_there(&here, &["report", &case, "--to", "pdf", "--out", &to("r.pdf")]);
     }
     let report = fs::read(out.join("r.html")).expect("a report");
     assert!(holds(&report, "base64,") && holds(&report, "IHDR"), "the film is in the report");
@@ -372,15 +358,15 @@ mod unix {
 
     #[test]
     fn stores_and_what_lies_beside_them_are_their_owners_alone() {
-        let here = tempfile::tempdir().expect("a temporary folder");
-        let at = |name: &str| here.path().join(name);
+        let here = program::folder();
+        let at = |name: &str| here.path(name);
         // Whatever the user lets others do with new files.
         let shell = |line: &str| {
             let program = assert_cmd::cargo::cargo_bin("spineline");
             let status = Command::new("sh")
                 .args(["-c", &format!("umask 0; \"$0\" {line}")])
                 .arg(program)
-                .current_dir(here.path())
+                .current_dir(here.folder())
                 .status();
             assert!(status.expect("a shell").success(), "{line}");
         };
@@ -390,7 +376,7 @@ mod unix {
             assert_eq!(mode(&at(name)), 0o600, "{name}");
         }
         let store = spineline_store::Store::open(&at("s.spineline")).expect("a store");
-        for entry in fs::read_dir(here.path()).expect("a folder") {
+        for entry in fs::read_dir(here.folder()).expect("a folder") {
             let path = entry.expect("an entry").path();
             assert_eq!(mode(&path), 0o600, "{}", path.display());
         }
@@ -399,21 +385,21 @@ mod unix {
 
     #[test]
     fn serve_warns_of_an_older_store_that_others_can_read() {
-        let here = tempfile::tempdir().expect("a temporary folder");
-        done(here.path(), &["study", "create", "s.spineline"]);
-        let path = here.path().join("s.spineline");
+        let here = program::folder();
+        here.done(&["study", "create", "s.spineline"]);
+        let path = here.path("s.spineline");
         assert_eq!(spineline_store::wider_permissions(&path), None);
         fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).expect("permissions");
         // It cannot listen where another program does, and ends after the warning.
         let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
         let port = taken.local_addr().expect("an address").port().to_string();
-        let login = here.path().join("clinic.login");
+        let login = here.path("clinic.login");
         fs::write(&login, "films:secret\n").expect("a file");
         fs::set_permissions(&login, fs::Permissions::from_mode(0o640)).expect("permissions");
         let archive = ["--dicomweb", "clinic=http://192.0.2.1/dicom-web"];
         let serve = ["serve", "s.spineline", "--port", &port];
         let login = ["--dicomweb-login", "clinic=clinic.login"];
-        let error = refused(here.path(), &[&serve[..], &archive, &login].concat(), 3);
+        let error = here.refused(&[&serve[..], &archive, &login].concat(), 3);
         assert!(error.contains("0644") && error.contains("chmod 600 s.spineline"), "{error}");
         assert!(error.contains("0640") && error.contains("chmod 600 clinic.login"), "{error}");
         assert!(error.contains("not encrypted") && !error.contains("secret"), "{error}");

@@ -9,11 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::program::{done, folder, refused, run, with_phantom, with_phantoms};
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("JSON")
-}
+use crate::program::{assert_says, folder, json, line, with_phantom, with_phantoms};
 
 /// The entry of a list whose key has a value.
 fn with<'a>(list: &'a Value, key: &str, value: &str) -> &'a Value {
@@ -28,22 +24,10 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
     let here = with_phantoms("rod", &["1", "2"]);
-    let text = done(
-        here.path(),
-        &[
-            "reliability",
-            "cases",
-            "--json",
-            "out.json",
-            "--csv",
-            "out.csv",
-            "--figure",
-            "figures",
-            "--full",
-        ],
-    );
+    let text =
+        here.done(&line("reliability cases --json out.json --csv out.csv --figure figures --full"));
     assert!(text.contains("SYNTHETIC") && text.contains("two-way random, absolute agreement"));
-    let file = json(&fs::read_to_string(here.path().join("out.json")).expect("written"));
+    let file = here.json("out.json");
     assert_eq!(file["synthetic"], true);
     let tilt = with(&file["quantities"], "quantity", "tilt_as_paper");
     let within = with(&tilt["designs"], "design", "intra_observer");
@@ -52,12 +36,12 @@ fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
     let truth = (0.3_f64.powi(2) + 0.1_f64.powi(2) / 12.0).sqrt();
     assert!((number(&sem["value"]) / truth - 1.0).abs() < 0.15, "{sem}");
     assert_eq!((&within["subjects"], &sem["unit"]), (&Value::from(150), &Value::from("deg")));
-    let figures = fs::read_dir(here.path().join("figures")).expect("a folder");
+    let figures = fs::read_dir(here.path("figures")).expect("a folder");
     let figures: Vec<PathBuf> = figures.map(|entry| entry.expect("a file").path()).collect();
     assert_eq!(figures.len(), 6 * 4, "six quantities, two designs between and two within");
     let svg = fs::read_to_string(&figures[0]).expect("a picture");
     assert!(svg.contains("synthetic data") && svg.contains("limits of agreement"));
-    let rows = fs::read_to_string(here.path().join("out.csv")).expect("a table");
+    let rows = here.text("out.csv");
     assert!(rows.lines().all(|row| row.split(',').count() >= 16), "every row is whole");
 }
 
@@ -72,8 +56,8 @@ fn nonzero_numbers_are_not_printed_as_zero() {
         let (a, b) = (i * 17 % 41, i * 29 % 37);
         let _ = writeln!(table, "loose,mm,{i},A,1,{a}\nloose,mm,{i},B,1,{b}");
     }
-    fs::write(here.path().join("t.csv"), table).expect("written");
-    let text = done(here.path(), &["reliability", "t.csv", "--full"]);
+    here.write("t.csv", table);
+    let text = here.done(&["reliability", "t.csv", "--full"]);
     let text = text.replace('−', "-");
     let shown = text.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
     assert!(shown.clone().count() > 50, "{text}");
@@ -86,10 +70,9 @@ fn nonzero_numbers_are_not_printed_as_zero() {
 fn a_single_reader_gives_reasons_in_text_and_analysis() {
     // F27.
     let here = with_phantom(&["--subject", "1", "--noise", "0"]);
-    let (text, _, code) = run(here.path(), &["reliability", "cases", "--full"]);
-    assert_eq!(code, 0);
+    let text = here.done(&["reliability", "cases", "--full"]);
     assert!(text.contains("undefined: one observer only") && text.contains("one repeat only"));
-    let (text, _, _) = run(here.path(), &["analyze", "cases", "--json", "-"]);
+    let (text, _, _) = here.run(&["analyze", "cases", "--json", "-"]);
     let file = json(&text);
     let file = file.get(0).unwrap_or(&file);
     assert!(file["reliability"].is_null());
@@ -99,7 +82,7 @@ fn a_single_reader_gives_reasons_in_text_and_analysis() {
 #[test]
 fn several_readings_reach_the_analysis_file() {
     let here = with_phantom(&[]);
-    let (text, _, _) = run(here.path(), &["analyze", "cases", "--json", "-"]);
+    let (text, _, _) = here.run(&["analyze", "cases", "--json", "-"]);
     let file = json(&text);
     let spacing = with(&file["reliability"], "quantity", "spacing");
     let between = with(&spacing["designs"], "design", "inter_observer_means");
@@ -110,18 +93,15 @@ fn several_readings_reach_the_analysis_file() {
 #[test]
 fn wrong_usage_and_wrong_tables_have_different_exit_codes() {
     let here = folder();
-    let write = |name: &str, text: &str| {
-        fs::write(here.path().join(name), text).expect("written");
-    };
-    write("bad.csv", "quantity,unit,subject,observer,repeat,value\na,mm,1,A,1,x\n");
-    let error = refused(here.path(), &["reliability", "bad.csv"], 3);
+    here.write("bad.csv", "quantity,unit,subject,observer,repeat,value\na,mm,1,A,1,x\n");
+    let error = here.refused(&["reliability", "bad.csv"], 3);
     assert!(
         error.contains("bad.csv: line 2: `value` is `x`") && error.contains("help:"),
         "{error}"
     );
-    assert_eq!(run(here.path(), &["reliability", "bad.csv", "case.json"]).2, 2);
-    assert_eq!(run(here.path(), &["reliability", "bad.csv", "--json", "-", "--csv", "-"]).2, 2);
-    assert_eq!(run(here.path(), &["reliability"]).2, 2);
+    assert_eq!(here.run(&["reliability", "bad.csv", "case.json"]).2, 2);
+    assert_eq!(here.run(&["reliability", "bad.csv", "--json", "-", "--csv", "-"]).2, 2);
+    assert_eq!(here.run(&["reliability"]).2, 2);
 }
 
 /// Lines by clinician, patient and repeat: heights up and places to the patient's left, in mm, from below.
@@ -216,8 +196,8 @@ fn errors_of_three_clinicians_lines_follow_from_their_differences() {
         let _ = writeln!(table, "{quantity},{unit},{subject},{observer},{repeat},{value}");
     }
     let here = folder();
-    fs::write(here.path().join("lines.csv"), table).expect("written");
-    let text = done(here.path(), &["reliability", "lines.csv", "--json", "-"]);
+    here.write("lines.csv", table);
+    let text = here.done(&["reliability", "lines.csv", "--json", "-"]);
     let file = json(&text);
     for quantity in ["location", "tilt"] {
         let found = with(&file["quantities"], "quantity", quantity);
@@ -247,9 +227,7 @@ fn errors_of_three_clinicians_lines_follow_from_their_differences() {
 #[test]
 fn the_answer_is_one_row_per_quantity() {
     let here = with_phantom(&[]);
-    let text = done(here.path(), &["reliability", "cases"]);
+    let text = here.done(&["reliability", "cases"]);
     assert!(text.lines().count() <= 25, "{text}");
-    for word in ["tilt step", "lateral bow", "SEM", "ICC", "--full"] {
-        assert!(text.contains(word), "{word} is missing in\n{text}");
-    }
+    assert_says(&text, &["tilt step", "lateral bow", "SEM", "ICC", "--full"]);
 }

@@ -1,12 +1,11 @@
 //! One film in two postures is noticed, in whatever files and formats it comes.
 
 use std::fs;
-use std::path::Path;
 
 use serde_json::{Value, json};
 
 use crate::maker::{DEFLATED, EXPLICIT, Maker, Syntax, ramp};
-use crate::program::{done, refused, run};
+use crate::program::{Here, finish, folder, spineline, succeeded, words};
 
 /// A film with an identifier, whose pixels depend on `number`.
 fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
@@ -17,38 +16,36 @@ fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
 }
 
 /// A synthetic case whose erect and neutral films lie beside it, as pictures of one size.
-fn case(folder: &Path, erect: &[u8], neutral: &[u8]) {
-    let path = folder.join("phantom-rod-01.json");
-    if !path.exists() {
-        done(folder, &["phantom", "--subject", "1", "--out", ".", "--noise", "0"]);
+fn case(here: &Here, erect: &[u8], neutral: &[u8]) {
+    if !here.path(CASE).exists() {
+        here.done(&["phantom", "--subject", "1", "--out", ".", "--noise", "0"]);
     }
-    let text = fs::read_to_string(&path).expect("written");
-    let mut case: Value = serde_json::from_str(&text).expect("JSON");
-    for film in case["films"].as_array_mut().expect("films") {
-        let posture = film["posture"].as_str().expect("a posture").to_owned();
-        // Films of other sizes are never one picture, so these are the largest of all.
-        film["image"]["columns"] = 9000.into();
-        film["image"]["rows"] = 9000.into();
-        film["image"]["file"] = format!("{posture}.dcm").into();
-    }
-    fs::write(path, case.to_string()).expect("written");
+    here.change(CASE, |case| {
+        for film in case["films"].as_array_mut().expect("films") {
+            let posture = film["posture"].as_str().expect("a posture").to_owned();
+            // Films of other sizes are never one picture, so these are the largest of all.
+            film["image"]["columns"] = 9000.into();
+            film["image"]["rows"] = 9000.into();
+            film["image"]["file"] = format!("{posture}.dcm").into();
+        }
+    });
     // A store refuses a case with a missing film; these files are not films, and are not compared.
     for posture in ["left_bending", "right_bending", "traction"] {
-        fs::write(folder.join(format!("{posture}.dcm")), posture).expect("written");
+        here.write(format!("{posture}.dcm"), posture);
     }
-    fs::write(folder.join("erect.dcm"), erect).expect("written");
-    fs::write(folder.join("neutral.dcm"), neutral).expect("written");
+    here.write("erect.dcm", erect);
+    here.write("neutral.dcm", neutral);
 }
 
 const CASE: &str = "phantom-rod-01.json";
 
 /// Every command that reads a case, with its arguments.
-fn readers(folder: &Path) -> Vec<Vec<&'static str>> {
-    let store = folder.join("s.db");
+fn readers(here: &Here) -> Vec<Vec<&'static str>> {
+    let store = here.path("s.db");
     if store.exists() {
         fs::remove_file(&store).expect("removed");
     }
-    done(folder, &["study", "create", "s.db"]);
+    here.done(&["study", "create", "s.db"]);
     vec![
         vec!["check", CASE],
         vec!["analyze", CASE, "--json", "a.json"],
@@ -59,70 +56,62 @@ fn readers(folder: &Path) -> Vec<Vec<&'static str>> {
 
 #[test]
 fn one_picture_in_two_files_is_refused_for_two_postures() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let here = here.path();
+    let here = folder();
     // Other bytes, another identifier, another compression, and the same pixels.
-    case(here, &film(1, "1.2.3.1", EXPLICIT), &film(1, "1.2.3.2", DEFLATED));
-    for command in readers(here) {
-        let error = refused(here, &command, 3);
+    case(&here, &film(1, "1.2.3.1", EXPLICIT), &film(1, "1.2.3.2", DEFLATED));
+    for command in readers(&here) {
+        let error = here.refused(&command, 3);
         for part in ["erect film", "neutral film", "the same picture", CASE] {
             assert!(error.contains(part), "{command:?}: no {part} in {error}");
         }
     }
-    assert!(!here.join("a.json").exists() && !here.join("r.html").exists());
+    assert!(!here.path("a.json").exists() && !here.path("r.html").exists());
 }
 
 #[test]
 fn landmarks_of_one_film_are_refused_for_two_postures_by_every_command() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let here = here.path();
-    case(here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
-    let text = fs::read_to_string(here.join(CASE)).expect("written");
-    let mut copied: Value = serde_json::from_str(&text).expect("JSON");
-    let films = copied["films"].as_array_mut().expect("films");
-    let of = |films: &[Value], posture: &str| films.iter().position(|f| f["posture"] == posture);
-    let [erect, neutral] = ["erect", "neutral"].map(|name| of(films, name).expect("a film"));
-    films[neutral]["readings"] = films[erect]["readings"].clone();
-    fs::write(here.join(CASE), copied.to_string()).expect("written");
-    for command in readers(here) {
-        let error = refused(here, &command, 3);
+    let here = folder();
+    case(&here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
+    here.change(CASE, |copied| {
+        let films = copied["films"].as_array_mut().expect("films");
+        let of = |name: &str| films.iter().position(|film| film["posture"] == name);
+        let [erect, neutral] = ["erect", "neutral"].map(|name| of(name).expect("a film"));
+        films[neutral]["readings"] = films[erect]["readings"].clone();
+    });
+    for command in readers(&here) {
+        let error = here.refused(&command, 3);
         assert!(error.contains("the same landmarks"), "{command:?}: {error}");
     }
 }
 
 #[test]
 fn two_pictures_of_one_identifier_are_warned_about() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let here = here.path();
+    let here = folder();
     for (uid, expected) in [("1.2.3.2", false), ("1.2.3.1", true)] {
-        case(here, &film(1, "1.2.3.1", EXPLICIT), &film(2, uid, EXPLICIT));
-        for command in readers(here) {
-            let (out, error, code) = run(here, &command);
+        case(&here, &film(1, "1.2.3.1", EXPLICIT), &film(2, uid, EXPLICIT));
+        for command in readers(&here) {
+            let (out, error, code) = here.run(&command);
             assert_eq!(code, 0, "{command:?}: {error}");
             if command[0] != "report" {
-                let found =
-                    format!("{out}{error}").split_whitespace().collect::<Vec<_>>().join(" ");
+                let found = words(&format!("{out}{error}"));
                 assert_eq!(found.contains("SOP Instance UID"), expected, "{command:?}: {found}");
             }
         }
         for (file, code) in [("a.json", "identifier_repeated"), ("r.html", "SOP Instance UID")] {
-            let text = fs::read_to_string(here.join(file)).expect("written");
-            assert_eq!(text.contains(code), expected, "{file}");
+            assert_eq!(here.text(file).contains(code), expected, "{file}");
         }
         // An analysis holds no films, and is the same without them.
-        fs::create_dir_all(here.join("alone")).expect("a folder");
-        fs::copy(here.join("a.json"), here.join("alone/a.json")).expect("a copy");
-        let (out, error, code) = run(&here.join("alone"), &["rerun", "a.json"]);
-        assert_eq!(code, 0, "{out}{error}");
-        fs::remove_file(here.join("a.json")).expect("removed");
-        fs::remove_file(here.join("r.html")).expect("removed");
+        fs::create_dir_all(here.path("alone")).expect("a folder");
+        fs::copy(here.path("a.json"), here.path("alone/a.json")).expect("a copy");
+        succeeded(finish(spineline(&here.path("alone")).args(["rerun", "a.json"])));
+        fs::remove_file(here.path("a.json")).expect("removed");
+        fs::remove_file(here.path("r.html")).expect("removed");
     }
 }
 
 #[test]
 fn a_film_of_another_patient_or_part_of_the_body_is_noticed_by_every_command() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let here = here.path();
+    let here = folder();
     let neutral = |tag: (u16, u16), vr: &'static str, value: &str| {
         let mut maker = Maker::new(60, 40, &ramp(60, 40));
         maker.text((0x08, 0x18), "UI", "1.2.3.2").text((0x20, 0x0D), "UI", "1.2.4");
@@ -138,17 +127,16 @@ fn a_film_of_another_patient_or_part_of_the_body_is_noticed_by_every_command() {
         ((0x08, 0x60), "CS", "MG", "(BREAST)", "other_body_part"),
         ((0x10, 0x20), "LO", "SOMEONE-2", "Patient ID differs", "patient_differs"),
     ] {
-        case(here, &erect, &neutral(tag, vr, value));
-        for command in readers(here) {
-            let (out, error, ending) = run(here, &command);
-            let said = format!("{out}{error}").split_whitespace().collect::<Vec<_>>().join(" ");
+        case(&here, &erect, &neutral(tag, vr, value));
+        for command in readers(&here) {
+            let (out, error, ending) = here.run(&command);
+            let said = words(&format!("{out}{error}"));
             assert!(!said.contains("SOMEONE"), "{command:?}: {said}");
             // A store takes such a film only when told to; the other commands warn.
             if command[0] == "study" {
                 assert_eq!(ending, 3, "{command:?}: {said}");
                 assert!(said.contains(expected) && said.contains("--accept"), "{said}");
-                let (out, error, ending) = run(here, &[&command[..], &["--accept"]].concat());
-                assert_eq!(ending, 0, "{out}{error}");
+                let out = here.done(&[&command[..], &["--accept"]].concat());
                 assert!(out.contains("neutral film") && out.contains(expected), "{out}");
                 continue;
             }
@@ -157,29 +145,25 @@ fn a_film_of_another_patient_or_part_of_the_body_is_noticed_by_every_command() {
                 assert!(said.contains("neutral film") && said.contains(expected), "{said}");
             }
         }
-        let analysis = fs::read_to_string(here.join("a.json")).expect("written");
-        assert!(analysis.contains(code), "{code}");
-        let (out, error, ending) = run(here, &["rerun", "a.json"]);
-        assert_eq!(ending, 0, "{out}{error}");
+        assert!(here.text("a.json").contains(code), "{code}");
+        here.done(&["rerun", "a.json"]);
         for file in ["a.json", "r.html"] {
-            fs::remove_file(here.join(file)).expect("removed");
+            fs::remove_file(here.path(file)).expect("removed");
         }
     }
 }
 
 #[test]
 fn the_picture_of_a_frontal_film_is_no_lateral_one_in_another_file() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let here = here.path();
-    case(here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
-    let text = fs::read_to_string(here.join(CASE)).expect("written");
-    let mut with: Value = serde_json::from_str(&text).expect("JSON");
-    with["lateral"] = json!({ "image": {
-        "columns": 9000, "rows": 9000, "patient_anterior": "image_left", "file": "side.dcm",
-    } });
-    fs::write(here.join(CASE), with.to_string()).expect("written");
-    fs::write(here.join("side.dcm"), film(2, "1.2.3.9", EXPLICIT)).expect("written");
-    let error = refused(here, &["check", CASE], 3);
+    let here = folder();
+    case(&here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
+    here.change(CASE, |with| {
+        with["lateral"] = json!({ "image": {
+            "columns": 9000, "rows": 9000, "patient_anterior": "image_left", "file": "side.dcm",
+        } });
+    });
+    here.write("side.dcm", film(2, "1.2.3.9", EXPLICIT));
+    let error = here.refused(&["check", CASE], 3);
     assert!(error.contains("neutral film") && error.contains("lateral film"), "{error}");
 }
 
@@ -231,21 +215,20 @@ fn csv(posture: &str, corners: &[(String, [f64; 2])]) -> String {
 
 /// Imports an erect and a neutral film with a file of landmarks each.
 fn import(erect: &str, neutral: &str) -> (String, i32) {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let here = here.path();
+    let here = folder();
     for (name, rows) in [("a.dcm", 400), ("b.dcm", 401)] {
         let mut maker = Maker::new(60, rows, &ramp(60, rows));
         maker.text((0x20, 0x20), "CS", "L\\F").text((0x28, 0x30), "DS", "1\\1");
-        fs::write(here.join(name), maker.file(EXPLICIT)).expect("written");
+        here.write(name, maker.file(EXPLICIT));
     }
-    fs::write(here.join("erect.marks"), erect).expect("written");
-    fs::write(here.join("neutral.marks"), neutral).expect("written");
+    here.write("erect.marks", erect);
+    here.write("neutral.marks", neutral);
     let films = ["--film", "erect=1", "--film", "neutral=2", "--secret", "secret", "--accept"];
     let marks = ["--landmarks", "erect=erect.marks", "--landmarks", "neutral=neutral.marks"];
     let to = ["import", "a.dcm", "b.dcm", "--case-id", "A", "--out", "out"];
-    let (_, error, code) = run(here, &[&to[..], &films, &marks].concat());
-    assert_eq!(here.join("out/case.json").exists(), code == 0);
-    (error.split_whitespace().collect::<Vec<_>>().join(" "), code)
+    let (_, error, code) = here.run(&[&to[..], &films, &marks].concat());
+    assert_eq!(here.path("out/case.json").exists(), code == 0);
+    (words(&error), code)
 }
 
 #[test]

@@ -3,11 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
-use serde_json::Value;
 use spineline_files::Content;
 
-use crate::program::{CASE, finish, json, spineline, with_phantom};
+use crate::program::{CASE, assert_says, finish, json, line, spineline, with_phantom};
 
 /// Standard output, standard error and exit code, at a fixed date.
 fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
@@ -17,41 +15,24 @@ fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
 #[test]
 fn an_analysis_is_repeated_from_its_file() {
     let here = with_phantom(&[]);
-    let at = |name: &str| here.path().join(name);
-    let stiffness = run(here.path(), &["stiffness"]).0.replace("132.0", "131.9");
-    fs::write(at("springs.json"), stiffness).expect("written");
-    let asked = [
-        "analyze",
-        CASE,
-        "--json",
-        "a.json",
-        "--fit",
-        "ferguson",
-        "--stiffness",
-        "springs.json",
-        "--compare-models",
-        "couple",
-        "--replicates",
-        "3",
-        "--noise",
-        "2.5",
-        "--seed",
-        "7",
-        "--identifiability",
-        "--min-curve",
-        "4.1",
-    ];
-    assert_eq!(run(here.path(), &asked).2, 0);
+    let at = |name: &str| here.path(name);
+    let stiffness = run(here.folder(), &["stiffness"]).0.replace("132.0", "131.9");
+    here.write("springs.json", stiffness);
+    let asked = line(
+        "--json a.json --fit ferguson --stiffness springs.json --compare-models couple \
+         --replicates 3 --noise 2.5 --seed 7 --identifiability --min-curve 4.1",
+    );
+    assert_eq!(run(here.folder(), &[&["analyze", CASE], &asked[..]].concat()).2, 0);
     fs::create_dir(at("elsewhere")).expect("a folder");
     fs::rename(at("a.json"), at("elsewhere/a.json")).expect("moved");
     let (text, error, code) =
         run(&at("elsewhere"), &["rerun", "a.json", "--json", "b.json", "--tolerance", "0"]);
     assert_eq!(code, 0, "{text}{error}");
-    for word in ["SYNTHETIC", "Nothing differs", "2026-01-02T03:04:05Z", "not here", "--min-curve"]
-    {
-        assert!(text.contains(word), "{word} is missing in\n{text}");
-    }
-    let (mut a, mut b) = (json(&at("elsewhere/a.json")), json(&at("elsewhere/b.json")));
+    assert_says(
+        &text,
+        &["SYNTHETIC", "Nothing differs", "2026-01-02T03:04:05Z", "not here", "--min-curve"],
+    );
+    let (mut a, mut b) = (here.json("elsewhere/a.json"), here.json("elsewhere/b.json"));
     assert_eq!(a["provenance"]["inputs"].as_array().map(Vec::len), Some(2), "case and springs");
     for file in [&mut a, &mut b] {
         let provenance = file["provenance"].as_object_mut().expect("an object");
@@ -63,32 +44,32 @@ fn an_analysis_is_repeated_from_its_file() {
 #[test]
 fn changes_are_listed_with_their_place_and_set_the_exit_code() {
     let here = with_phantom(&[]);
-    let path = here.path().join("a.json");
     // The case lies elsewhere, where only its whole path finds it.
-    assert_eq!(run(here.path(), &["analyze", CASE, "--json", "a.json", "--full-paths"]).2, 0);
-    let mut file = json(&path);
+    assert_eq!(run(here.folder(), &["analyze", CASE, "--json", "a.json", "--full-paths"]).2, 0);
+    let mut file = here.json("a.json");
     let length = file["chain"]["segment_mm"].as_f64().expect("a number");
     file["chain"]["segment_mm"] = (length * (1.0 + 1e-6)).into();
     file["sagittal_profile"] = "measured".into();
     file["provenance"]["program"] = "spineline 0.0.1".into();
-    fs::write(&path, file.to_string()).expect("written");
-    fs::write(here.path().join(CASE), "{}").expect("the case is changed");
-    let (text, _, code) = run(here.path(), &["rerun", "a.json"]);
+    here.write("a.json", file.to_string());
+    here.write(CASE, "{}");
+    let (text, _, code) = run(here.folder(), &["rerun", "a.json"]);
     assert_eq!(code, 4, "{text}");
-    for word in [
-        "chain.segment_mm",
-        "1.0e−6",
-        "sagittal_profile",
-        "\"measured\"",
-        "CHANGED",
-        "then spineline 0.0.1",
-    ] {
-        assert!(text.contains(word), "{word} is missing in\n{text}");
-    }
-    let (text, _, code) = run(here.path(), &["rerun", "a.json", "--tolerance", "1e-5"]);
+    assert_says(
+        &text,
+        &[
+            "chain.segment_mm",
+            "1.0e−6",
+            "sagittal_profile",
+            "\"measured\"",
+            "CHANGED",
+            "then spineline 0.0.1",
+        ],
+    );
+    let (text, _, code) = run(here.folder(), &["rerun", "a.json", "--tolerance", "1e-5"]);
     assert!(code == 4 && !text.contains("chain.segment_mm"), "a text has no tolerance: {text}");
-    fs::write(&path, "%PDF-1.7 and no analysis").expect("written");
-    let (_, error, code) = run(here.path(), &["rerun", "a.json"]);
+    here.write("a.json", "%PDF-1.7 and no analysis");
+    let (_, error, code) = run(here.folder(), &["rerun", "a.json"]);
     // A build without typesetter reads no PDF, and says so.
     let (expected, words) = if cfg!(feature = "pdf") {
         (3, "this file has no analysis")
@@ -96,18 +77,17 @@ fn changes_are_listed_with_their_place_and_set_the_exit_code() {
         (2, "--features pdf")
     };
     assert!(code == expected && error.contains(words), "{error}");
-    fs::write(&path, "{\"format\": \"spineline-analysis\", ").expect("written");
-    let (_, error, code) = run(here.path(), &["rerun", "a.json"]);
+    here.write("a.json", "{\"format\": \"spineline-analysis\", ");
+    let (_, error, code) = run(here.folder(), &["rerun", "a.json"]);
     assert!(code == 3 && error.contains("not JSON"), "{error}");
 }
 
 #[test]
 fn a_key_that_stands_twice_is_refused() {
     let here = with_phantom(&[]);
-    let path = here.path().join("a.json");
-    assert_eq!(run(here.path(), &["analyze", CASE, "--json", "a.json"]).2, 0);
-    let text = fs::read_to_string(&path).expect("an analysis");
-    let case = fs::read_to_string(here.path().join(CASE)).expect("a case");
+    assert_eq!(run(here.folder(), &["analyze", CASE, "--json", "a.json"]).2, 0);
+    let text = here.text("a.json");
+    let case = here.text(CASE);
     let other = case.replace("phantom-rod-01", "phantom-rod-02");
     let within = text.replacen("\"chain\": {", "\"chain\": {\"segment_mm\": 1.0,", 1);
     for (twice, key) in [
@@ -115,9 +95,9 @@ fn a_key_that_stands_twice_is_refused() {
         (within, "key segment_mm is"),
     ] {
         assert_ne!(twice, text, "the test means something");
-        fs::write(&path, &twice).expect("written");
+        here.write("a.json", &twice);
         for command in ["rerun", "check", "analyze"] {
-            let (_, error, code) = run(here.path(), &[command, "a.json"]);
+            let (_, error, code) = run(here.folder(), &[command, "a.json"]);
             let said = error.contains(key) && error.contains("given twice");
             assert!(code == 3 && said, "{command}: {code} {error}");
         }
@@ -128,22 +108,21 @@ fn a_key_that_stands_twice_is_refused() {
 fn a_report_with_another_printed_number_is_found() {
     let here = with_phantom(&[]);
     for name in ["r.html", "r.md"] {
-        let path = here.path().join(name);
-        assert_eq!(run(here.path(), &["report", CASE, "--out", name]).2, 0);
-        let (text, _, code) = run(here.path(), &["rerun", name]);
+        assert_eq!(run(here.folder(), &["report", CASE, "--out", name]).2, 0);
+        let (text, _, code) = run(here.folder(), &["rerun", name]);
         assert!(code == 0 && text.contains("Page: as it was written"), "{text}");
-        let page = fs::read_to_string(&path).expect("a report");
+        let page = here.text(name);
         let at = page.find('°').expect("an angle");
         let digit = page[..at].rfind(|c: char| c.is_ascii_digit()).expect("a number");
         let other = if &page[digit..=digit] == "7" { "8" } else { "7" };
         let changed = [&page[..digit], other, &page[digit + 1..]].concat();
-        fs::write(&path, changed).expect("written");
-        let (text, error, code) = run(here.path(), &["rerun", name]);
+        here.write(name, changed);
+        let (text, error, code) = run(here.folder(), &["rerun", name]);
         assert!(code == 4 && text.contains("Page: CHANGED"), "{text}{error}");
         assert!(text.contains("Nothing differs"), "the analysis in it is as it was: {text}");
         let without = page.replace("content_sha256", "content");
-        fs::write(&path, without).expect("written");
-        let (text, ..) = run(here.path(), &["rerun", name]);
+        here.write(name, without);
+        let (text, ..) = run(here.folder(), &["rerun", name]);
         assert!(text.contains("Page: NOT CHECKED"), "{text}");
     }
 }
@@ -151,25 +130,24 @@ fn a_report_with_another_printed_number_is_found() {
 #[test]
 fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
     let here = with_phantom(&[]);
-    let (_, error, code) = run(here.path(), &["phantom", "--subject", "2", "--out", "cases"]);
-    assert_eq!(code, 0, "{error}");
+    here.add_phantom(&["--subject", "2"]);
     let asked =
         ["analyze", "cases", "--json", "all.json", "--figures", "first", "--support", "frontal"];
-    assert_eq!(run(here.path(), &asked).2, 0);
-    fs::remove_dir_all(here.path().join("cases")).expect("gone");
-    let (text, error, code) = run(here.path(), &["rerun", "all.json", "--figures", "second"]);
+    assert_eq!(run(here.folder(), &asked).2, 0);
+    fs::remove_dir_all(here.path("cases")).expect("gone");
+    let (text, error, code) = run(here.folder(), &["rerun", "all.json", "--figures", "second"]);
     assert_eq!(code, 0, "{error}");
     assert!(text.contains("phantom-rod-01") && text.contains("phantom-rod-02"), "{text}");
     let picture = |folder: &str, name: &str| {
-        let svg = fs::read_to_string(here.path().join(folder).join(name)).expect("a figure");
+        let svg = here.text(format!("{folder}/{name}"));
         let (before, rest) = svg.split_once("<metadata>").expect("where it comes from");
         let (metadata, after) = rest.split_once("</metadata>").expect("an end");
-        let provenance: Value = serde_json::from_str(metadata).expect("JSON");
+        let provenance = json(metadata);
         assert_eq!(provenance["options"]["support"], "frontal");
         assert_eq!(Content::of(svg.as_bytes()), Content::AsWritten);
         format!("{before}{after}")
     };
-    for entry in fs::read_dir(here.path().join("first")).expect("figures") {
+    for entry in fs::read_dir(here.path("first")).expect("figures") {
         let name = entry.expect("a figure").file_name().into_string().expect("a name");
         assert_eq!(picture("first", &name), picture("second", &name), "{name}");
     }
@@ -178,7 +156,7 @@ fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
 #[test]
 fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
     let here = with_phantom(&[]);
-    let analyse = |asked: &[&str]| run(here.path(), &[&["analyze"], asked].concat());
+    let analyse = |asked: &[&str]| run(here.folder(), &[&["analyze"], asked].concat());
     assert_eq!(analyse(&[CASE, "--json", "a.json", "--fit", "ferguson"]).2, 0);
     let (of_case, _, _) = analyse(&[CASE]);
     let (of_analysis, error, code) = analyse(&["a.json"]);
@@ -189,47 +167,36 @@ fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
     let (_, error, code) = analyse(&["a.json", CASE]);
     assert!(code == 3 && error.contains("was given already"), "{error}");
     // A patient counts once under any identifier.
-    let text = fs::read_to_string(here.path().join(CASE)).expect("a case");
+    let text = here.text(CASE);
     for (id, words) in [("other", "has the landmarks of"), ("PHANTOM-rod-01", "given already as")] {
         let renamed = text.replace("\"phantom-rod-01\"", &format!("\"{id}\""));
-        fs::write(here.path().join("renamed.json"), renamed).expect("a place");
+        here.write("renamed.json", renamed);
         let (_, error, code) = analyse(&["renamed.json", CASE]);
         assert!(code == 3 && error.contains(words), "{error}");
     }
     // Also without one of its films.
-    let mut fewer: Value = serde_json::from_str(&text).expect("JSON");
+    let mut fewer = json(&text);
     fewer["case_id"] = "fewer".into();
     assert_ne!(fewer["films"].as_array_mut().expect("films").pop(), None);
-    fs::write(here.path().join("fewer.json"), fewer.to_string()).expect("a place");
+    here.write("fewer.json", fewer.to_string());
     let (_, error, code) = analyse(&["fewer.json", CASE]);
     let words = "has the landmarks of a film of the case fewer";
     assert!(code == 3 && error.contains(words), "{error}");
-    assert_eq!(run(here.path(), &["check", "a.json"]).2, 0);
+    assert_eq!(run(here.folder(), &["check", "a.json"]).2, 0);
 }
 
 #[test]
 fn every_file_of_an_analysis_has_provenance() {
     let here = with_phantom(&[]);
-    let outputs = [
-        "analyze",
-        CASE,
-        "--json",
-        "a.json",
-        "--csv",
-        "errors.csv",
-        "--chain",
-        "chain.csv",
-        "--cohort",
-        "cohort.json",
-        "--model",
-        "model.json",
-    ];
-    assert_eq!(run(here.path(), &outputs).2, 0);
+    let outputs = line(
+        "--json a.json --csv errors.csv --chain chain.csv --cohort cohort.json --model model.json",
+    );
+    assert_eq!(run(here.folder(), &[&["analyze", CASE], &outputs[..]].concat()).2, 0);
     let simulate =
         ["simulate", "model.json", "--push", "left", "--force", "20", "--json", "s.json"];
-    assert_eq!(run(here.path(), &simulate).2, 0);
-    assert_eq!(run(here.path(), &["reliability", CASE, "--json", "r.json"]).2, 0);
-    let hash = spineline_files::sha256_hex(&fs::read(here.path().join(CASE)).expect("the case"));
+    assert_eq!(run(here.folder(), &simulate).2, 0);
+    assert_eq!(run(here.folder(), &["reliability", CASE, "--json", "r.json"]).2, 0);
+    let hash = spineline_files::sha256_hex(&fs::read(here.path(CASE)).expect("the case"));
     for name in [
         "a.json",
         "errors.csv.provenance.json",
@@ -239,7 +206,7 @@ fn every_file_of_an_analysis_has_provenance() {
         "s.json",
         "r.json",
     ] {
-        let provenance = &json(&here.path().join(name))["provenance"];
+        let provenance = &here.json(name)["provenance"];
         assert_eq!(provenance["date_utc"], "2026-01-02T03:04:05Z", "{name}");
         assert_eq!(provenance["films"], "synthetic", "{name}");
         assert_eq!(provenance["command"][0], "spineline", "{name}");
@@ -249,16 +216,13 @@ fn every_file_of_an_analysis_has_provenance() {
             assert_eq!(provenance["inputs"][0]["sha256"], hash.as_str(), "{name}");
         }
     }
-    let model = fs::read(here.path().join("model.json")).expect("the model");
-    let input = &json(&here.path().join("s.json"))["provenance"]["inputs"][0];
+    let model = fs::read(here.path("model.json")).expect("the model");
+    let input = &here.json("s.json")["provenance"]["inputs"][0];
     assert_eq!(input["sha256"], spineline_files::sha256_hex(&model).as_str());
-    let table = fs::read(here.path().join("errors.csv")).expect("the table");
-    let of = &json(&here.path().join("errors.csv.provenance.json"))["of"][0];
+    let table = fs::read(here.path("errors.csv")).expect("the table");
+    let of = &here.json("errors.csv.provenance.json")["of"][0];
     assert_eq!(of["sha256"], spineline_files::sha256_hex(&table).as_str());
-    let mut wrong = Command::cargo_bin("spineline").expect("the program");
-    wrong
-        .current_dir(here.path())
-        .env("SOURCE_DATE_EPOCH", "soon")
-        .args(["analyze", CASE, "--json", "-"]);
-    assert_eq!(wrong.output().expect("it starts").status.code(), Some(2));
+    let mut wrong = spineline(here.folder());
+    wrong.env("SOURCE_DATE_EPOCH", "soon").args(["analyze", CASE, "--json", "-"]);
+    assert_eq!(finish(&mut wrong).2, 2);
 }

@@ -1,17 +1,16 @@
 //! Who is let in: `account`, and what `serve` demands before it listens.
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 use std::process::{Command as Program, Stdio};
 
 use assert_cmd::assert::Assert;
 
-use crate::program::spineline;
+use crate::program::{Here, folder, spineline};
 
 const PASSWORD: &str = "a long enough sentence";
 
-fn run(folder: &Path, arguments: &[&str], input: &str) -> Assert {
-    spineline(folder).args(arguments).write_stdin(input).assert()
+fn run(here: &Here, arguments: &[&str], input: &str) -> Assert {
+    spineline(here.folder()).args(arguments).write_stdin(input).assert()
 }
 
 fn output_of(assert: &Assert) -> String {
@@ -20,16 +19,16 @@ fn output_of(assert: &Assert) -> String {
     format!("{out}{err}")
 }
 
-fn store_with_admin(folder: &Path) {
-    run(folder, &["study", "create", "s.spineline"], "").success();
-    add_admin(folder);
+fn store_with_admin(here: &Here) {
+    run(here, &["study", "create", "s.spineline"], "").success();
+    add_admin(here);
 }
 
 #[test]
 fn accounts_are_made_changed_and_listed() {
-    let folder = tempfile::tempdir().expect("a folder");
-    store_with_admin(folder.path());
-    let run = |arguments: &[&str], input: &str| run(folder.path(), arguments, input);
+    let here = folder();
+    store_with_admin(&here);
+    let run = |arguments: &[&str], input: &str| run(&here, arguments, input);
     let add = ["account", "add", "r2", "--role", "reader", "--password-stdin", "s.spineline"];
     let weak = run(&add, "short\n").failure().code(3);
     assert!(output_of(&weak).contains("12 characters") && !output_of(&weak).contains("short"));
@@ -53,108 +52,100 @@ fn accounts_are_made_changed_and_listed() {
 
 #[test]
 fn a_password_is_never_an_argument() {
-    let folder = tempfile::tempdir().expect("a folder");
-    store_with_admin(folder.path());
+    let here = folder();
+    store_with_admin(&here);
     let add = ["account", "add", "r2", "--role", "reader", "s.spineline"];
-    let refused = run(folder.path(), &add, PASSWORD).failure().code(2);
+    let refused = run(&here, &add, PASSWORD).failure().code(2);
     assert!(output_of(&refused).contains("--password-stdin"), "{}", output_of(&refused));
 }
 
 #[test]
 fn f70_an_address_other_than_loopback_needs_accounts() {
-    let folder = tempfile::tempdir().expect("a folder");
-    run(folder.path(), &["study", "create", "s.spineline"], "").success();
+    let here = folder();
+    run(&here, &["study", "create", "s.spineline"], "").success();
     for demanding in
         [&["--bind", "0.0.0.0", "--host", "h"][..], &["--bind", "192.0.2.1"], &["--accounts"]]
     {
         let arguments = [&["serve", "s.spineline"], demanding].concat();
-        let refused = run(folder.path(), &arguments, "").failure().code(3);
+        let refused = run(&here, &arguments, "").failure().code(3);
         let expected = "spineline account add NAME --role admin s.spineline";
         assert!(output_of(&refused).contains(expected), "{}", output_of(&refused));
     }
-    add_admin(folder.path());
-    let nameless = run(folder.path(), &["serve", "s.spineline", "--bind", "0.0.0.0"], "");
+    add_admin(&here);
+    let nameless = run(&here, &["serve", "s.spineline", "--bind", "0.0.0.0"], "");
     assert!(output_of(&nameless.failure().code(2)).contains("--host NAME"));
 }
 
-fn add_admin(folder: &Path) {
+fn add_admin(here: &Here) {
     let add = ["account", "add", "lead", "--role", "admin", "--password-stdin", "s.spineline"];
-    run(folder, &add, PASSWORD).success();
+    run(here, &add, PASSWORD).success();
 }
 
-/// The first line of a server that is then ended.
-fn first_line(folder: &Path, arguments: &[&str]) -> String {
+/// The first line of a server that is then ended, and what it said on the standard error.
+fn serve(here: &Here, arguments: &[&str]) -> (String, String) {
     let mut server = Program::new(assert_cmd::cargo::cargo_bin("spineline"))
-        .current_dir(folder)
+        .current_dir(here.folder())
         .args(arguments)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("a server");
-    let mut line = String::new();
-    let output = server.stdout.take().expect("its output");
-    BufReader::new(output).read_line(&mut line).expect("a line");
-    server.kill().expect("killed");
-    server.wait().expect("an end");
-    line
-}
-
-#[test]
-fn f70_loopback_is_the_default() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let line = first_line(folder.path(), &["serve", "new.spineline", "--port", "0"]);
-    assert!(line.starts_with("http://127.0.0.1:") && line.contains("/#token="), "{line}");
-    assert!(!line.contains('?'), "{line}");
-    store_with_admin(folder.path());
-    let arguments = ["serve", "s.spineline", "--port", "0", "--accounts"];
-    let line = first_line(folder.path(), &arguments);
-    assert!(line.starts_with("http://127.0.0.1:") && !line.contains("token"), "{line}");
-}
-
-#[test]
-fn a_case_is_served_from_a_store_beside_it() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let films = ["--films", "--pixel-size", "2", "--subject", "1", "--out", "p"];
-    run(folder.path(), &[&["phantom"][..], &films].concat(), "").success();
-    let case = "p/phantom-rod-01.json";
-    let before = std::fs::read(folder.path().join(case)).expect("a case");
-    for _ in 0..2 {
-        let line = first_line(folder.path(), &["serve", case, "--port", "0"]);
-        assert!(line.contains("phantom-rod-01: added") || line.starts_with("http://"), "{line}");
-        let list = run(folder.path(), &["study", "list", "p/phantom-rod-01.spineline"], "");
-        assert!(output_of(&list.success()).contains("phantom-rod-01"));
-    }
-    assert_eq!(std::fs::read(folder.path().join(case)).expect("a case"), before);
-    std::fs::write(folder.path().join("torn.json"), "{").expect("written");
-    run(folder.path(), &["serve", "torn.json", "--port", "0"], "").failure().code(3);
-    assert!(!folder.path().join("torn.spineline").exists(), "nothing is left of a refused case");
-}
-
-#[test]
-fn a_program_without_the_app_says_so_before_its_address() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut server = Program::new(assert_cmd::cargo::cargo_bin("spineline"))
-        .current_dir(folder.path())
-        .args(["serve", "new.spineline", "--port", "0"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .expect("a server");
     let mut line = String::new();
     let output = server.stdout.take().expect("its output");
-    BufReader::new(output).read_line(&mut line).expect("an address");
+    BufReader::new(output).read_line(&mut line).expect("a line");
     server.kill().expect("killed");
     let told = server.wait_with_output().expect("an end").stderr;
-    let told = String::from_utf8_lossy(&told);
+    (line, String::from_utf8_lossy(&told).into_owned())
+}
+
+/// The first line of a server that is then ended.
+fn first_line(here: &Here, arguments: &[&str]) -> String {
+    serve(here, arguments).0
+}
+
+#[test]
+fn f70_loopback_is_the_default() {
+    let here = folder();
+    let line = first_line(&here, &["serve", "new.spineline", "--port", "0"]);
+    assert!(line.starts_with("http://127.0.0.1:") && line.contains("/#token="), "{line}");
+    assert!(!line.contains('?'), "{line}");
+    store_with_admin(&here);
+    let arguments = ["serve", "s.spineline", "--port", "0", "--accounts"];
+    let line = first_line(&here, &arguments);
+    assert!(line.starts_with("http://127.0.0.1:") && !line.contains("token"), "{line}");
+}
+
+#[test]
+fn a_case_is_served_from_a_store_beside_it() {
+    let here = folder();
+    let films = ["--films", "--pixel-size", "2", "--subject", "1", "--out", "p"];
+    run(&here, &[&["phantom"][..], &films].concat(), "").success();
+    let case = "p/phantom-rod-01.json";
+    let before = std::fs::read(here.path(case)).expect("a case");
+    for _ in 0..2 {
+        let line = first_line(&here, &["serve", case, "--port", "0"]);
+        assert!(line.contains("phantom-rod-01: added") || line.starts_with("http://"), "{line}");
+        let list = run(&here, &["study", "list", "p/phantom-rod-01.spineline"], "");
+        assert!(output_of(&list.success()).contains("phantom-rod-01"));
+    }
+    assert_eq!(std::fs::read(here.path(case)).expect("a case"), before);
+    here.write("torn.json", "{");
+    run(&here, &["serve", "torn.json", "--port", "0"], "").failure().code(3);
+    assert!(!here.path("torn.spineline").exists(), "nothing is left of a refused case");
+}
+
+#[test]
+fn a_program_without_the_app_says_so_before_its_address() {
+    let here = folder();
+    let (_, told) = serve(&here, &["serve", "new.spineline", "--port", "0"]);
     // The page of a program without the app loads no script.
     assert_eq!(told.contains("cargo xtask web"), !spineline_server::has_app(), "{told}");
 }
 
 #[test]
 fn archives_need_a_name_an_address_and_a_login_from_a_file() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let login = folder.path().join("clinic.login");
-    std::fs::write(&login, "no colon, but a secret\n").expect("a file");
+    let here = folder();
+    here.write("clinic.login", "no colon, but a secret\n");
     let archive = ["--dicomweb", "clinic=http://127.0.0.1:8042/dicom-web"];
     for (arguments, code, expected) in [
         (&["--dicomweb", "clinic"][..], 2, "NAME=ADDRESS"),
@@ -166,7 +157,7 @@ fn archives_need_a_name_an_address_and_a_login_from_a_file() {
         (&[archive, ["--dicomweb-login", "clinic=clinic.login"]].concat(), 3, "USER:PASSWORD"),
     ] {
         let arguments = [&["serve", "s.spineline", "--port", "0"][..], arguments].concat();
-        let refused = output_of(&run(folder.path(), &arguments, "").failure().code(code));
+        let refused = output_of(&run(&here, &arguments, "").failure().code(code));
         assert!(refused.contains(expected) && !refused.contains("secret"), "{refused}");
     }
 }

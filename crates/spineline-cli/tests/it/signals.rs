@@ -5,14 +5,14 @@
 
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::program::{CASE, done, with_phantom, with_phantoms};
+use crate::program::{CASE, Here, folder, with_phantom, with_phantoms};
 
 /// Moments after the start.
 const MOMENTS_MS: [u64; 4] = [0, 30, 300, 1500];
@@ -23,9 +23,9 @@ struct Ended {
     error: String,
 }
 
-fn start(folder: &Path, arguments: &[&str]) -> Child {
+fn start(here: &Here, arguments: &[&str]) -> Child {
     Command::new(assert_cmd::cargo::cargo_bin("spineline"))
-        .current_dir(folder)
+        .current_dir(here.folder())
         .args(arguments)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -41,8 +41,8 @@ fn send(child: &Child, signal: &str) {
 }
 
 /// A command that gets a signal so long after its start.
-fn signalled(folder: &Path, arguments: &[&str], signal: &str, after_ms: u64) -> Ended {
-    let child = start(folder, arguments);
+fn signalled(here: &Here, arguments: &[&str], signal: &str, after_ms: u64) -> Ended {
+    let child = start(here, arguments);
     sleep(Duration::from_millis(after_ms));
     send(&child, signal);
     let output = child.wait_with_output().expect("an end");
@@ -51,13 +51,13 @@ fn signalled(folder: &Path, arguments: &[&str], signal: &str, after_ms: u64) -> 
 }
 
 /// All files below a folder.
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let all = walkdir::WalkDir::new(folder).into_iter().filter_map(Result::ok);
+fn files(here: &Here) -> Vec<PathBuf> {
+    let all = walkdir::WalkDir::new(here.folder()).into_iter().filter_map(Result::ok);
     all.filter(|entry| entry.file_type().is_file()).map(walkdir::DirEntry::into_path).collect()
 }
 
-fn assert_nothing_is_half_written(folder: &Path) {
-    for path in files(folder) {
+fn assert_nothing_is_half_written(here: &Here) {
+    for path in files(here) {
         let name = path.display().to_string();
         assert!(!name.contains(".part"), "{name}");
         if name.ends_with(".json") {
@@ -75,17 +75,17 @@ fn commands_without_partial_results_write_nothing() {
         &["phantom", "--films", "--out", "out"],
     ] {
         for (moment, signal) in MOMENTS_MS.into_iter().zip(["INT", "TERM"].into_iter().cycle()) {
-            let here = tempfile::tempdir().expect("a place for files");
-            let Ended { code, error } = signalled(here.path(), arguments, signal, moment);
+            let here = folder();
+            let Ended { code, error } = signalled(&here, arguments, signal, moment);
             let at = format!("{arguments:?} {signal} after {moment} ms: {code:?} {error}");
             if code == Some(0) {
                 // It was faster, or wrote already.
-                assert_nothing_is_half_written(here.path());
+                assert_nothing_is_half_written(&here);
                 continue;
             }
             assert!(matches!(code, None | Some(130)), "{at}");
             assert!(code.is_none() || error.contains("interrupted before a result"), "{at}");
-            assert!(files(here.path()).is_empty(), "{at}");
+            assert!(files(&here).is_empty(), "{at}");
         }
     }
 }
@@ -94,23 +94,23 @@ fn commands_without_partial_results_write_nothing() {
 const REPLICATES: [&str; 4] = ["--replicates", "1000000", "--seed", "1"];
 
 /// A command with replicates on a phantom, as [`cut_short_on`].
-fn cut_short(arguments: &[&str], output: &str, signal: &str) -> (tempfile::TempDir, String, u64) {
+fn cut_short(arguments: &[&str], output: &str, signal: &str) -> (Here, String, u64) {
     cut_short_on(|| with_phantom(&[]), arguments, output, signal)
 }
 
 /// A command with replicates that gets a signal later and later, until some replicates count.
 fn cut_short_on(
-    cases: impl Fn() -> tempfile::TempDir,
+    cases: impl Fn() -> Here,
     arguments: &[&str],
     output: &str,
     signal: &str,
-) -> (tempfile::TempDir, String, u64) {
+) -> (Here, String, u64) {
     let arguments = [arguments, &REPLICATES].concat();
     let mut moment = 0;
     loop {
         let here = cases();
-        let Ended { code, error } = signalled(here.path(), &arguments, signal, moment);
-        assert_nothing_is_half_written(here.path());
+        let Ended { code, error } = signalled(&here, &arguments, signal, moment);
+        assert_nothing_is_half_written(&here);
         let at = format!("{arguments:?} after {moment} ms: {code:?} {error}");
         if code == Some(4) {
             let words: Vec<&str> = error.split_whitespace().collect();
@@ -120,7 +120,7 @@ fn cut_short_on(
             return (here, error, counted);
         }
         assert!(matches!(code, None | Some(130)), "{at}");
-        assert!(!here.path().join(output).exists(), "{at}");
+        assert!(!here.path(output).exists(), "{at}");
         moment = 2 * moment + 200;
     }
 }
@@ -130,11 +130,10 @@ fn an_analysis_says_how_many_replicates_count() {
     for signal in ["INT", "TERM"] {
         let arguments = ["analyze", CASE, "--json", "a.json"];
         let (here, _, counted) = cut_short(&arguments, "a.json", signal);
-        let text = fs::read_to_string(here.path().join("a.json")).expect("the analysis");
-        let file: Value = serde_json::from_str(&text).expect("JSON");
+        let file = here.json("a.json");
         assert_eq!(file["uncertainty"]["done"], counted);
         assert_eq!(file["uncertainty"]["replicates"], 1_000_000);
-        let (_, error, code) = crate::program::run(here.path(), &["rerun", "a.json"]);
+        let (_, error, code) = here.run(&["rerun", "a.json"]);
         assert!(code == 3 && error.contains(&format!("after {counted} of 1000000")), "{error}");
     }
 }
@@ -145,15 +144,11 @@ fn a_cohort_names_the_cases_that_were_not_begun() {
     let three = || with_phantoms("rod", &["1", "2", "3"]);
     let (here, error, counted) = cut_short_on(three, &arguments, "c.json", "INT");
     assert!(error.contains("interrupted: 2 cases not begun; analyse them again"), "{error}");
-    let read = |name: &str| -> Value {
-        let text = fs::read_to_string(here.path().join(name)).expect("a file");
-        serde_json::from_str(&text).expect("JSON")
-    };
-    let refused = read("c.json")["refused"].clone();
+    let refused = here.json("c.json")["refused"].clone();
     let steps: Vec<&Value> =
         refused.as_array().expect("cases").iter().map(|one| &one["step"]).collect();
     assert_eq!(steps, ["interruption", "interruption"], "{refused}");
-    let all = read("a.json");
+    let all = here.json("a.json");
     let all = all.as_array().expect("a list");
     assert_eq!(all.len(), 3);
     assert_eq!(all[0]["uncertainty"]["done"], counted);
@@ -164,7 +159,7 @@ fn a_cohort_names_the_cases_that_were_not_begun() {
 fn a_report_says_how_many_replicates_count() {
     let arguments = ["report", CASE, "--out", "report.html"];
     let (here, ..) = cut_short(&arguments, "report.html", "INT");
-    let page = fs::read_to_string(here.path().join("report.html")).expect("the report");
+    let page = here.text("report.html");
     assert!(page.contains("requested were 1000000 replicates"));
 }
 
@@ -172,31 +167,27 @@ fn a_report_says_how_many_replicates_count() {
 fn a_repeated_analysis_compares_nothing_that_was_cut_short() {
     let here = with_phantom(&[]);
     let whole = ["analyze", CASE, "--json", "a.json", "--replicates", "2", "--seed", "1"];
-    done(here.path(), &whole);
-    let path = here.path().join("a.json");
-    let mut file: Value =
-        serde_json::from_str(&fs::read_to_string(&path).expect("a file")).expect("JSON");
-    file["provenance"]["replicates"]["count"] = 1_000_000.into();
-    fs::write(&path, file.to_string()).expect("written");
+    here.done(&whole);
+    here.change("a.json", |file| file["provenance"]["replicates"]["count"] = 1_000_000.into());
     for moment in MOMENTS_MS {
         let rerun = ["rerun", "a.json", "--json", "again.json"];
-        let Ended { code, error } = signalled(here.path(), &rerun, "INT", moment);
+        let Ended { code, error } = signalled(&here, &rerun, "INT", moment);
         assert!(matches!(code, None | Some(130)), "{code:?} {error}");
-        assert!(!here.path().join("again.json").exists());
+        assert!(!here.path("again.json").exists());
     }
 }
 
 #[test]
 fn a_simulation_leaves_whole_files_or_none() {
     let here = with_phantom(&[]);
-    done(here.path(), &["analyze", CASE, "--model", "m.json"]);
+    here.done(&["analyze", CASE, "--model", "m.json"]);
     for moment in [0, 20, 60, 120, 250] {
         let arguments =
             ["simulate", "m.json", "--push", "left", "--force", "50", "--json", "s.json"];
-        let Ended { code, error } = signalled(here.path(), &arguments, "INT", moment);
+        let Ended { code, error } = signalled(&here, &arguments, "INT", moment);
         assert!(matches!(code, None | Some(0 | 4 | 130)), "{code:?} {error}");
-        assert_nothing_is_half_written(here.path());
-        let written = fs::remove_file(here.path().join("s.json")).is_ok();
+        assert_nothing_is_half_written(&here);
+        let written = fs::remove_file(here.path("s.json")).is_ok();
         assert_eq!(written, matches!(code, Some(0 | 4)), "{code:?} {error}");
     }
 }
@@ -204,7 +195,7 @@ fn a_simulation_leaves_whole_files_or_none() {
 #[test]
 fn a_second_signal_ends_the_program_at_once() {
     let here = with_phantom(&[]);
-    let mut child = start(here.path(), &[&["analyze", CASE], &REPLICATES[..]].concat());
+    let mut child = start(&here, &[&["analyze", CASE], &REPLICATES[..]].concat());
     let mut lines = BufReader::new(child.stderr.take().expect("its messages")).lines();
     // Until it is in the work that stops by itself, the first one ends it.
     sleep(Duration::from_millis(2000));
@@ -224,12 +215,12 @@ fn a_second_signal_ends_the_program_at_once() {
 #[test]
 fn a_signal_is_the_ordinary_end_of_the_server() {
     for signal in ["INT", "TERM"] {
-        let here = tempfile::tempdir().expect("a place for files");
-        let mut child = start(here.path(), &["serve", "s.spineline", "--port", "0"]);
+        let here = folder();
+        let mut child = start(&here, &["serve", "s.spineline", "--port", "0"]);
         let mut output = BufReader::new(child.stdout.take().expect("its output"));
         output.read_line(&mut String::new()).expect("an address");
         send(&child, signal);
         assert_eq!(child.wait().expect("an end").code(), Some(0), "{signal}");
-        done(here.path(), &["study", "verify", "s.spineline"]);
+        here.done(&["study", "verify", "s.spineline"]);
     }
 }

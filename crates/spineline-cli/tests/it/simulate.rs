@@ -1,31 +1,34 @@
 //! `spineline simulate` as its users call it.
 
 use std::fs;
-use std::path::Path;
 
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
-use crate::program::{done, run};
+use crate::program::{self, Here, assert_says, line, words};
 
 /// A folder with the model of a phantom, `model.json`.
-fn folder() -> TempDir {
-    let here = tempfile::tempdir().expect("a place for files");
-    run(here.path(), &["phantom", "--scenario", "rod", "--subject", "1", "--out", "."]);
-    let analyze = ["analyze", "phantom-rod-01.json", "--model", "model.json"];
-    done(here.path(), &analyze);
+fn folder() -> Here {
+    let here = program::folder();
+    here.done(&["phantom", "--scenario", "rod", "--subject", "1", "--out", "."]);
+    here.done(&["analyze", "phantom-rod-01.json", "--model", "model.json"]);
     here
 }
 
 /// The JSON of a simulation, and the exit code.
-fn simulate(folder: &Path, arguments: &[&str]) -> (Value, i32) {
-    let line = ["simulate", "model.json", "--json", "-"].iter().chain(arguments);
-    let (text, error, code) = run(folder, &line.copied().collect::<Vec<_>>());
+fn simulate(here: &Here, arguments: &[&str]) -> (Value, i32) {
+    let line = [&["simulate", "model.json", "--json", "-"], arguments].concat();
+    let (text, error, code) = here.run(&line);
     (serde_json::from_str(&text).unwrap_or_else(|_| panic!("no JSON: {error}")), code)
 }
 
 fn number(json: &Value, pointer: &str) -> f64 {
     json.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
+}
+
+/// The codes of the warnings.
+fn codes(json: &Value) -> Vec<&str> {
+    let warnings = json["warnings"].as_array().expect("a list").iter();
+    warnings.filter_map(|warning| warning["code"].as_str()).collect()
 }
 
 /// Keys in the JSON of every simulation.
@@ -62,20 +65,20 @@ fn a_force_gives_a_report_and_complete_files() {
     let line = ["simulate", "model.json", "--push", "left", "--force", "20"];
     let files = ["--json", "out/s.json", "--csv", "out/s.csv", "--svg", "out/s.svg"];
     let all: Vec<&str> = line.iter().chain(&files).copied().collect();
-    let text = done(here.path(), &all);
-    for words in [
-        "SYNTHETIC",
-        "relative units, not newtons",
-        "relative to the nominal stiffness, not newtons: no force was measured",
-        "CONVERGED",
-        "Cobb, main thoracic",
-        "convex right",
-        "left",
-    ] {
-        assert!(text.contains(words), "{words} is missing in\n{text}");
-    }
-    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
-    let json: Value = serde_json::from_str(&read("out/s.json")).expect("JSON");
+    let text = here.done(&all);
+    assert_says(
+        &text,
+        &[
+            "SYNTHETIC",
+            "relative units, not newtons",
+            "relative to the nominal stiffness, not newtons: no force was measured",
+            "CONVERGED",
+            "Cobb, main thoracic",
+            "convex right",
+            "left",
+        ],
+    );
+    let json = here.json("out/s.json");
     for pointer in POINTERS {
         assert!(json.pointer(pointer).is_some_and(|value| !value.is_null()), "{pointer}");
     }
@@ -90,11 +93,11 @@ fn a_force_gives_a_report_and_complete_files() {
     );
     // A key with a newton belongs to a measured force.
     for name in ["out/s.json", "model.json"] {
-        let named = read(name);
+        let named = here.text(name);
         let newtons = ["_n\"", "_nmm\"", "n_per_mm", "\"stiffness_nmm"];
         newtons.iter().for_each(|key| assert!(!named.contains(key), "{name}: {key}"));
     }
-    let rows = read("out/s.csv");
+    let rows = here.text("out/s.csv");
     let columns: Vec<usize> = rows.lines().map(|row| row.split(',').count()).collect();
     assert!(columns.len() > 3 && columns.iter().all(|n| *n == columns[0]), "{columns:?}");
     assert_eq!(columns.len(), 1 + json["path"].as_array().expect("a list").len());
@@ -102,7 +105,7 @@ fn a_force_gives_a_report_and_complete_files() {
         rows.contains("lateral_tilt_right_deg")
             && rows.contains("cobb_main_thoracic_convex_left_deg")
     );
-    let svg = read("out/s.svg");
+    let svg = here.text("out/s.svg");
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
     for words in ["synthetic data", "relative units, not newtons", "Seen from behind", "LEFT"] {
         assert!(svg.contains(words), "{words}");
@@ -113,10 +116,10 @@ fn a_force_gives_a_report_and_complete_files() {
 fn the_load_of_a_film_gives_the_shape_of_the_analysis() {
     // Oracle: the march inside of the analysis.
     let here = folder();
-    let (text, _, _) = run(here.path(), &["analyze", "phantom-rod-01.json", "--json", "-"]);
-    let analysis: Value = serde_json::from_str(&text).expect("JSON");
+    let (text, _, _) = here.run(&["analyze", "phantom-rod-01.json", "--json", "-"]);
+    let analysis = program::json(&text);
     for film in ["left_bending", "traction"] {
-        let (json, code) = simulate(here.path(), &["--posture", film]);
+        let (json, code) = simulate(&here, &["--posture", film]);
         assert_eq!(code, 0);
         let there = &analysis["models"]["inflection_line"]["postures"][film];
         let force = there["force"].as_f64().expect("a force");
@@ -133,7 +136,7 @@ fn the_load_of_a_film_gives_the_shape_of_the_analysis() {
             "{simulated} {film_deg} {error}"
         );
     }
-    let (json, _) = simulate(here.path(), &["--posture", "right_bending", "--force", "10"]);
+    let (json, _) = simulate(&here, &["--posture", "right_bending", "--force", "10"]);
     let along = number(&json, "/loads/0/force/2");
     assert!(along < 0.0, "the right bend's force is caudal, and 10 of it too");
 }
@@ -142,11 +145,8 @@ fn the_load_of_a_film_gives_the_shape_of_the_analysis() {
 fn an_amplitude_is_found_for_either_direction_of_the_loads() {
     let here = folder();
     let tilt = ["--amplitude", "20", "--towards"];
-    let with = |push: &str, side: &str| {
-        let line: Vec<&str> =
-            ["--push", push].iter().chain(&tilt).chain(&[side]).copied().collect();
-        simulate(here.path(), &line)
-    };
+    let with =
+        |push: &str, side: &str| simulate(&here, &[&["--push", push], &tilt[..], &[side]].concat());
     let ((left, code), (against, _), (right, _)) =
         (with("left", "left"), with("right", "left"), with("left", "right"));
     assert_eq!(code, 0);
@@ -158,27 +158,14 @@ fn an_amplitude_is_found_for_either_direction_of_the_loads() {
     assert!((number(&right, "/equilibria/0/lateral_tilt_right_deg") - 20.0).abs() < 1e-7);
     assert_eq!(left["equilibria"][0]["verdict"], "reached");
     // All shapes with this lateral tilt are reported, with reasons.
-    let line = [
-        "simulate",
-        "model.json",
-        "--posture",
-        "traction",
-        "--amplitude",
-        "3",
-        "--towards",
-        "left",
-    ];
-    let (text, _, code) = run(here.path(), &line);
-    assert_eq!(code, 0);
-    for words in ["SEVERAL EQUILIBRIA", "chosen: smallest factor", "not chosen", "against their"] {
-        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(text.contains(words), "{words} is missing in\n{text}");
-    }
+    let line = line("simulate model.json --posture traction --amplitude 3 --towards left");
+    let text = words(&here.done(&line));
+    let all = ["SEVERAL EQUILIBRIA", "chosen: smallest factor", "not chosen", "against their"];
+    assert_says(&text, &all);
 }
 
-/// The mirror image of a model: what was left is right.
-fn mirrored(model: &str) -> String {
-    let mut json: Value = serde_json::from_str(model).expect("JSON");
+/// Makes a model its mirror image: what was left is right.
+fn mirror(json: &mut Value) {
     let flip = |value: &mut Value| *value = json!(-value.as_f64().expect("a number"));
     for vertebra in json["vertebrae"].as_array_mut().expect("a list") {
         flip(&mut vertebra["midpoint_mm"][1]);
@@ -193,18 +180,16 @@ fn mirrored(model: &str) -> String {
     for region in json["regions"].as_array_mut().expect("a list") {
         flip(&mut region["endplate_difference_deg"]);
     }
-    json.to_string()
 }
 
 #[test]
 fn a_mirrored_model_has_the_mirrored_response() {
     let here = folder();
     let (left, _) =
-        simulate(here.path(), &["--push", "left", "--force", "30", "--level", "T8", "--follow"]);
-    let model = fs::read_to_string(here.path().join("model.json")).expect("the model");
-    fs::write(here.path().join("model.json"), mirrored(&model)).expect("written");
+        simulate(&here, &["--push", "left", "--force", "30", "--level", "T8", "--follow"]);
+    here.change("model.json", mirror);
     let (right, _) =
-        simulate(here.path(), &["--push", "right", "--force", "30", "--level", "T8", "--follow"]);
+        simulate(&here, &["--push", "right", "--force", "30", "--level", "T8", "--follow"]);
     for pointer in [
         "lateral_tilt_right_deg",
         "cobb_deg/main_thoracic",
@@ -223,17 +208,12 @@ fn weight_and_a_pad_come_from_a_file() {
         { "kind": "gravity", "body_weight": 20 },
         { "kind": "pad", "level": "T9", "direction": [0, 1, 0], "force_per_mm": 2, "advance_mm": 20 },
         { "kind": "strap", "level": "T4", "anchor_mm": [0, 200, 320], "force_per_mm": 1, "shortening_mm": -30 } ] });
-    fs::write(here.path().join("load.json"), load.to_string()).expect("written");
-    let (json, code) = simulate(here.path(), &["--load", "load.json"]);
+    here.write("load.json", load.to_string());
+    let (json, code) = simulate(&here, &["--load", "load.json"]);
     assert_eq!(code, 0);
     assert!(number(&json, "/equilibria/0/spring_forces/0/force") > 0.0);
     assert_eq!(json["equilibria"][0]["spring_forces"][0]["load"], 2);
-    let codes: Vec<&str> = json["warnings"]
-        .as_array()
-        .expect("a list")
-        .iter()
-        .filter_map(|w| w["code"].as_str())
-        .collect();
+    let codes = codes(&json);
     for code in ["relative_forces", "weight_on_top", "springs_stick", "strap_pushes"] {
         assert!(codes.contains(&code), "{code} is missing in {codes:?}");
     }
@@ -244,11 +224,11 @@ fn weight_and_a_pad_come_from_a_file() {
 fn a_model_that_its_films_reject_says_so_wherever_it_is_used() {
     // Oracle: the phantom's line is the inflection line, and the test of `analyze` rejects the iliac one.
     let here = folder();
-    fs::remove_file(here.path().join("model.json")).expect("removed");
+    fs::remove_file(here.path("model.json")).expect("removed");
     let make = ["analyze", "phantom-rod-01.json", "--model", "model.json", "--model-line", "iliac"];
-    done(here.path(), &make);
+    here.done(&make);
     let doubt = "the bends reject a single force along the iliac line";
-    let (json, _) = simulate(here.path(), &["--push", "left", "--force", "1"]);
+    let (json, _) = simulate(&here, &["--push", "left", "--force", "1"]);
     let warnings = json["warnings"].as_array().expect("a list");
     let doubted: Vec<&Value> = warnings.iter().filter(|w| w["code"] == "model_doubted").collect();
     assert!(doubted[0]["message"].as_str().is_some_and(|text| text.contains(doubt)), "{json}");
@@ -258,7 +238,7 @@ fn a_model_that_its_films_reject_says_so_wherever_it_is_used() {
     };
     assert!(doubted.len() == 4 && says("all others reached their limits"), "{doubted:?}");
     for format in ["osim", "mjcf", "urdf"] {
-        let exported = done(here.path(), &["export", "model.json", "--to", format]);
+        let exported = here.done(&["export", "model.json", "--to", format]);
         assert!(exported.contains(&format!("DOUBT: {doubt}")), "{format}: {exported}");
     }
 }
@@ -268,64 +248,44 @@ fn a_whole_body_weight_that_folds_the_spine_has_no_result() {
     let here = folder();
     let load =
         r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight":700}]}"#;
-    fs::write(here.path().join("weight.json"), load).expect("a file");
+    here.write("weight.json", load);
     let line = ["simulate", "model.json", "--load", "weight.json", "--json", "w.json"];
-    let (text, _, code) = run(here.path(), &line);
+    let (text, _, code) = here.run(&line);
     assert_eq!(code, 4, "{text}");
     assert!(text.contains("BEYOND HUMAN RANGE · NO RESULT"), "{text}");
     assert!(text.contains("a body with the weight 700 relative units"), "{text}");
     assert!(!text.contains("Cobb"), "no angle of a folded spine: {text}");
-    let json: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(here.path().join("w.json")).expect("written"))
-            .expect("JSON");
+    let json = here.json("w.json");
     assert_eq!(json["status"], "beyond_human_range");
-    let codes: Vec<&str> = json["warnings"]
-        .as_array()
-        .expect("a list")
-        .iter()
-        .filter_map(|warning| warning["code"].as_str())
-        .collect();
+    let codes = codes(&json);
     assert!(codes.contains(&"beyond_human_range"), "{codes:?}");
 }
 
 #[test]
 fn a_missing_result_ends_with_4_and_is_labelled_everywhere() {
     let here = folder();
-    let line = [
-        "simulate",
-        "model.json",
-        "--push",
-        "caudal",
-        "--force",
-        "1500",
-        "--svg",
-        "s.svg",
-        "--json",
-        "s.json",
-    ];
-    let (text, _, code) = run(here.path(), &line);
+    let line = line("simulate model.json --push caudal --force 1500 --svg s.svg --json s.json");
+    let (text, _, code) = here.run(&line);
     assert_eq!(code, 4);
     assert!(text.contains("NO RESULT") && !text.contains("Cobb"), "{text}");
-    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
-    assert!(read("s.svg").contains("not a result (beyond_human_range)"));
-    assert!(read("s.json").contains("\"status\": \"beyond_human_range\""));
+    assert!(here.text("s.svg").contains("not a result (beyond_human_range)"));
+    assert!(here.text("s.json").contains("\"status\": \"beyond_human_range\""));
     let line = ["--push", "left", "--amplitude", "80", "--towards", "left"];
-    assert_eq!(simulate(here.path(), &line).1, 4);
+    assert_eq!(simulate(&here, &line).1, 4);
 }
 
 #[test]
 fn a_model_of_the_standing_patient_says_what_its_springs_carry_already() {
     let here = folder();
     let reference = ["--reference", "loaded:50", "--model", "model.json", "--overwrite"];
-    done(here.path(), &[&["analyze", "phantom-rod-01.json"], &reference[..]].concat());
-    let (_, error, code) =
-        run(here.path(), &["simulate", "model.json", "--posture", "left_bending"]);
+    here.done(&[&["analyze", "phantom-rod-01.json"], &reference[..]].concat());
+    let (_, error, code) = here.run(&["simulate", "model.json", "--posture", "left_bending"]);
     assert_eq!(code, 3, "{error}");
     assert!(error.contains("no loads of films: it was made with `--reference loaded`"), "{error}");
     let load =
         r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight":5}]}"#;
-    fs::write(here.path().join("weight.json"), load).expect("a file");
-    let (json, _) = simulate(here.path(), &["--load", "weight.json"]);
+    here.write("weight.json", load);
+    let (json, _) = simulate(&here, &["--load", "weight.json"]);
     let warnings = json["warnings"].as_array().expect("a list").iter();
     let mut on_top = warnings.filter(|warning| warning["code"] == "weight_on_top");
     let message = on_top.next().expect("warned")["message"].to_string();
@@ -333,7 +293,7 @@ fn a_model_of_the_standing_patient_says_what_its_springs_carry_already() {
         message.contains("already counts the weight of the trunk of a body of 50 kg"),
         "{message}"
     );
-    let exported = done(here.path(), &["export", "model.json", "--to", "mjcf"]);
+    let exported = here.done(&["export", "model.json", "--to", "mjcf"]);
     let erect = "erect posture, in balance with the weight of the trunk of a body of 50 kg";
     assert!(exported.contains(erect), "{exported}");
 }
@@ -342,7 +302,7 @@ fn a_model_of_the_standing_patient_says_what_its_springs_carry_already() {
 fn bad_loads_and_models_end_with_3_and_wrong_usage_with_2() {
     let here = folder();
     let bad = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"moment","level":"T1","moment":[1,0,0]}]}"#;
-    fs::write(here.path().join("bad.json"), bad).expect("written");
+    here.write("bad.json", bad);
     for (arguments, expected, words) in [
         (
             &["model.json", "--load", "bad.json"][..],
@@ -369,8 +329,7 @@ fn bad_loads_and_models_end_with_3_and_wrong_usage_with_2() {
             "only one",
         ),
     ] {
-        let line: Vec<&str> = ["simulate"].iter().chain(arguments).copied().collect();
-        let (_, error, code) = run(here.path(), &line);
+        let (_, error, code) = here.run(&[&["simulate"], arguments].concat());
         assert_eq!(code, expected, "{arguments:?}: {error}");
         assert!(error.contains(words), "{words} is missing in {error}");
     }
@@ -379,12 +338,10 @@ fn bad_loads_and_models_end_with_3_and_wrong_usage_with_2() {
 #[test]
 fn a_model_without_regions_is_measured_at_default_levels_with_a_note() {
     let here = folder();
-    let path = here.path().join("model.json");
-    let mut model: Value =
-        serde_json::from_str(&fs::read_to_string(&path).expect("the model")).expect("JSON");
-    model.as_object_mut().expect("an object").remove("regions");
-    fs::write(&path, model.to_string()).expect("written");
-    let (json, code) = simulate(here.path(), &["--push", "left", "--force", "5"]);
+    here.change("model.json", |model| {
+        model.as_object_mut().expect("an object").remove("regions");
+    });
+    let (json, code) = simulate(&here, &["--push", "left", "--force", "5"]);
     assert_eq!(code, 0);
     assert_eq!(json["warnings"][0]["code"], "usual_regions");
     let angles = &json["equilibria"][0];

@@ -1,29 +1,21 @@
 //! `spineline simulate --replicates`: intervals of what is measured under loads.
 
-use std::fs;
-use std::path::Path;
-
 use serde_json::{Value, json};
 use spineline::number::interval;
-use tempfile::TempDir;
 
-use crate::program::{CASE, done, json, refused, run, with_phantom, words};
+use crate::program::{CASE, Here, assert_says, with_phantom, words};
 
 const PUSH: [&str; 6] = ["simulate", "model.json", "--push", "left", "--force", "10"];
 
 /// A folder with the case of a phantom and its model, `model.json`.
-fn folder() -> TempDir {
+fn folder() -> Here {
     let here = with_phantom(&["--scenario", "rod", "--subject", "1"]);
-    done(here.path(), &["analyze", CASE, "--model", "model.json"]);
+    here.done(&["analyze", CASE, "--model", "model.json"]);
     here
 }
 
 fn simulate<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
     PUSH.iter().chain(arguments).copied().collect()
-}
-
-fn read(folder: &Path, name: &str) -> String {
-    fs::read_to_string(folder.join(name)).expect("it was written")
 }
 
 /// A number of the uncertainty in the JSON of a simulation.
@@ -43,8 +35,8 @@ fn text_json_and_csv_have_the_interval_beside_the_number_for_any_number_of_threa
         let line =
             [&replicates[..], &["--threads", threads, "--measures", "measures.csv"]].concat();
         let line = [&line[..], &["--json", "simulation.json", "--overwrite"]].concat();
-        let text = done(here.path(), &simulate(&line));
-        (text, read(here.path(), "measures.csv"), json(&here.path().join("simulation.json")))
+        let text = here.done(&simulate(&line));
+        (text, here.text("measures.csv"), here.json("simulation.json"))
     };
     let (text, rows, found) = files("1");
     let (other_text, other_rows, other_found) = files("2");
@@ -75,14 +67,15 @@ fn text_json_and_csv_have_the_interval_beside_the_number_for_any_number_of_threa
     let interval = format!("{small:.1}° to {large:.1}°");
     assert!(text.contains(&interval), "{interval} is missing in\n{text}");
     let said = words(&text);
-    for words in [
-        "95 % intervals: the central 95 % of the Monte Carlo replicates with a result, 40 of 40 (seed 5)",
-        "corners 2.00 × 2.00 px",
-        "They do not cover the errors of the model, of the loads",
-        "Coronal balance: T2 from",
-    ] {
-        assert!(said.contains(words), "{words} is missing in\n{text}");
-    }
+    assert_says(
+        &said,
+        &[
+            "95 % intervals: the central 95 % of the Monte Carlo replicates with a result, 40 of 40 (seed 5)",
+            "corners 2.00 × 2.00 px",
+            "They do not cover the errors of the model, of the loads",
+            "Coronal balance: T2 from",
+        ],
+    );
     let row = rows.lines().find(|row| row.contains(",cobb,main_thoracic,loaded,")).expect("a row");
     let cells: Vec<f64> = row.split(',').skip(7).filter_map(|cell| cell.parse().ok()).collect();
     // JSON has ten significant digits.
@@ -99,8 +92,8 @@ fn an_amplitude_gives_the_interval_of_its_factor() {
     let line =
         ["simulate", "model.json", "--push", "left", "--amplitude", "8", "--towards", "left"];
     let more = ["--case", CASE, "--replicates", "60", "--json", "s.json"];
-    let text = done(here.path(), &[&line[..], &more].concat());
-    let found = json(&here.path().join("s.json"));
+    let text = here.done(&[&line[..], &more].concat());
+    let found = here.json("s.json");
     let factor = number(&found, "factor", None, "loaded");
     assert_eq!(factor["value"], found["equilibria"][0]["factor"]);
     let ends = factor["interval_95"].as_array().expect("an interval");
@@ -114,10 +107,10 @@ fn an_amplitude_gives_the_interval_of_its_factor() {
 #[test]
 fn without_replicates_the_measures_have_no_interval() {
     let here = folder();
-    let text = done(here.path(), &simulate(&["--measures", "measures.csv", "--json", "s.json"]));
+    let text = here.done(&simulate(&["--measures", "measures.csv", "--json", "s.json"]));
     assert!(!text.contains("95 %"), "{text}");
-    assert_eq!(json(&here.path().join("s.json"))["uncertainty"], Value::Null);
-    let rows = read(here.path(), "measures.csv");
+    assert_eq!(here.json("s.json")["uncertainty"], Value::Null);
+    let rows = here.text("measures.csv");
     let row = rows.lines().find(|row| row.contains(",top_offset,,change,mm,")).expect("a row");
     assert!(row.ends_with(",,,,,,"), "{row}");
     // Three sizes and Ferguson angles, two tilts and an offset in three states, and the heading: no case, so no vertical.
@@ -131,7 +124,7 @@ fn a_plan_that_some_replicates_do_not_bear_counts_them() {
     let bears = |down: f64| {
         let down = down.to_string();
         let line = ["simulate", "model.json", "--push", "caudal", "--force", &down];
-        run(here.path(), &line).2 == 0
+        here.run(&line).2 == 0
     };
     let (mut low, mut high) = (1.0, 1000.0);
     for _ in 0..9 {
@@ -141,8 +134,8 @@ fn a_plan_that_some_replicates_do_not_bear_counts_them() {
     let down = low.to_string();
     let line = ["simulate", "model.json", "--push", "caudal", "--force", &down];
     let more = ["--case", CASE, "--replicates", "24", "--json", "s.json"];
-    let text = words(&done(here.path(), &[&line[..], &more].concat()));
-    let counts = json(&here.path().join("s.json"))["uncertainty"].clone();
+    let text = words(&here.done(&[&line[..], &more].concat()));
+    let counts = here.json("s.json")["uncertainty"].clone();
     let usable = counts["usable"].as_u64().expect("a count");
     assert!((1..24).contains(&usable), "{counts}");
     let counted = format!("with a result, {usable} of 24 (seed 1); a 95 % interval needs 40");
@@ -157,31 +150,30 @@ fn a_plan_that_some_replicates_do_not_bear_counts_them() {
 #[test]
 fn replicates_that_are_not_possible_are_refused_with_what_to_do() {
     let here = folder();
-    let path = here.path();
-    let error = refused(path, &simulate(&["--replicates", "5"]), 2);
+    let error = here.refused(&simulate(&["--replicates", "5"]), 2);
     assert!(error.contains("--replicates needs --case CASE"), "{error}");
     for arguments in [&["--case", CASE][..], &["--seed", "3"], &["--threads", "2"]] {
-        let error = refused(path, &simulate(arguments), 2);
+        let error = here.refused(&simulate(arguments), 2);
         assert!(error.contains("--replicates"), "{error}");
     }
     let with = |case: &'static str| simulate(&["--replicates", "5", "--case", case]);
 
     // Another patient, other landmarks, a model without provenance, and one that was changed.
-    done(path, &["phantom", "--scenario", "rod", "--subject", "2", "--out", "cases"]);
-    let error = words(&refused(path, &with("cases/phantom-rod-02.json"), 3));
+    here.done(&["phantom", "--scenario", "rod", "--subject", "2", "--out", "cases"]);
+    let error = words(&here.refused(&with("cases/phantom-rod-02.json"), 3));
     assert!(error.contains("the model belongs to the case phantom-rod-01"), "{error}");
-    let mut other = json(&path.join(CASE));
+    let mut other = here.json(CASE);
     let corner = &mut other["films"][0]["readings"][0]["vertebrae"]["T6"]["superior_left"][0];
     *corner = json!(corner.as_f64().expect("a column") + 3.0);
-    fs::write(path.join("other.json"), other.to_string()).expect("written");
-    let error = words(&refused(path, &with("other.json"), 3));
+    here.write("other.json", other.to_string());
+    let error = words(&here.refused(&with("other.json"), 3));
     assert!(error.contains("differ from the model that the case gives now"), "{error}");
-    let model = json(&path.join("model.json"));
+    let model = here.json("model.json");
     let change = |change: &dyn Fn(&mut Value)| {
         let mut model = model.clone();
         change(&mut model);
-        fs::write(path.join("model.json"), model.to_string()).expect("written");
-        words(&refused(path, &with(CASE), 3))
+        here.write("model.json", model.to_string());
+        words(&here.refused(&with(CASE), 3))
     };
     let error = change(&|model| {
         let stiffness = &mut model["joints"][3]["stiffness"][0];
@@ -198,13 +190,12 @@ fn replicates_that_are_not_possible_are_refused_with_what_to_do() {
 #[test]
 fn the_case_may_come_from_an_analysis_and_the_model_may_have_other_options() {
     let here = folder();
-    let path = here.path();
     let options = ["--support", "frontal", "--model-line", "iliac"];
     let line = ["analyze", CASE, "--json", "analysis.json", "--model", "model.json", "--overwrite"];
-    done(path, &[&line[..], &options].concat());
+    here.done(&[&line[..], &options].concat());
     let line = simulate(&["--case", "analysis.json", "--replicates", "4", "--json", "s.json"]);
-    done(path, &line);
-    let found = json(&path.join("s.json"));
+    here.done(&line);
+    let found = here.json("s.json");
     assert_eq!(found["uncertainty"]["usable"], 4);
     assert_eq!(found["provenance"]["options"]["support"], "frontal");
     assert_eq!(found["provenance"]["inputs"].as_array().map(Vec::len), Some(2));

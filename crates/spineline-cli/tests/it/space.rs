@@ -15,9 +15,9 @@ use spineline_phantom::{
     BentPhantom, SpaceBending, SpaceSetup, TrueBody, generate_bends_in_space, generate_in_space,
 };
 
-use crate::import::{Here, film, put};
+use crate::import::{film, put};
 use crate::maker::Maker;
-use crate::program::{done, folder, json, refused, run, succeeded};
+use crate::program::{Here, folder, line, succeeded, words};
 
 /// Pixels of the phantom for one of a picture here.
 const COARSER: u32 = 10;
@@ -88,10 +88,10 @@ fn side(side: ImageSide) -> &'static str {
 }
 
 /// Landmark files and pictures of the phantom, and the case that `import` makes of them, in `case`.
-fn imported(here: &Path, case: &Case) {
-    fs::write(here.join("phantom.json"), to_text(&CaseFile::from_case(case))).expect("a case");
-    done(here, &["export", "phantom.json", "--to", "csv", "--out", "frontal.csv"]);
-    done(here, &["export", "phantom.json", "--to", "lateral-csv", "--out", "lateral.csv"]);
+fn imported(here: &Here, case: &Case) {
+    here.write("phantom.json", to_text(&CaseFile::from_case(case)));
+    here.done(&["export", "phantom.json", "--to", "csv", "--out", "frontal.csv"]);
+    here.done(&["export", "phantom.json", "--to", "lateral-csv", "--out", "lateral.csv"]);
     let film = case.lateral.as_ref().expect("a lateral film");
     let mut arguments: Vec<String> = vec!["import".into()];
     let (mut chosen, mut patient_left) = (Vec::new(), ImageSide::Left);
@@ -101,51 +101,28 @@ fn imported(here: &Path, case: &Case) {
         };
         patient_left = image.patient_left;
         let name = format!("{}.png", frontal.posture.key());
-        picture(&here.join(&name), 60 + 10 * i as u8, [image.columns, image.rows]);
+        picture(&here.path(&name), 60 + 10 * i as u8, [image.columns, image.rows]);
         chosen.extend([
             "--film".to_owned(),
             format!("{}={name}", frontal.posture.key().replace('_', "-")),
         ]);
         arguments.push(name);
     }
-    picture(&here.join("side.png"), 200, [film.image.columns, film.image.rows]);
+    picture(&here.path("side.png"), 200, [film.image.columns, film.image.rows]);
     let spacing = film.image.spacing.expect("millimetres");
     let spacing = format!("{},{},patient", spacing.column_mm, spacing.row_mm);
     arguments.push("side.png".into());
     arguments.extend(chosen);
-    for argument in [
-        "--lateral",
-        "side.png",
-        "--patient-anterior",
+    let given = format!(
+        "--lateral side.png --patient-anterior {} --patient-left {} --spacing {spacing} \
+         --landmarks frontal.csv --lateral-landmarks lateral.csv --simultaneous yes \
+         --case-id space-01 --out case --secret secret",
         side(film.image.patient_left),
-        "--patient-left",
         side(patient_left),
-        "--spacing",
-        &spacing,
-        "--landmarks",
-        "frontal.csv",
-        "--lateral-landmarks",
-        "lateral.csv",
-        "--simultaneous",
-        "yes",
-        "--case-id",
-        "space-01",
-        "--out",
-        "case",
-        "--secret",
-        "secret",
-    ] {
-        arguments.push(argument.to_owned());
-    }
-    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let out = done(here, &arguments);
+    );
+    let films: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let out = here.done(&[films, line(&given)].concat());
     assert!(!out.contains("No landmarks yet"), "{out}");
-}
-
-/// Runs a command that writes results, though the line through the inflections may have none in a spine that a force at T2 bent.
-fn written(here: &Path, arguments: &[&str]) {
-    let (out, error, code) = run(here, arguments);
-    assert!(matches!(code, 0 | 4), "{code}: {error}{out}");
 }
 
 fn number(value: &Value) -> f64 {
@@ -183,23 +160,22 @@ fn check_angles(analysis: &Value, truth: &BentPhantom) {
 #[test]
 fn landmark_files_with_a_lateral_film_reach_every_output() {
     let here = folder();
-    let here = here.path();
     let truth = phantom();
-    imported(here, &coarse(truth.erect.case.clone()));
-    let case = json(&here.join("case/case.json"));
+    imported(&here, &coarse(truth.erect.case.clone()));
+    let case = here.json("case/case.json");
     assert_eq!(case["lateral"]["simultaneous"], true);
     let marked = |reading: &Value| reading["vertebrae"].as_object().map_or(0, |all| all.len());
     assert_eq!(marked(&case["lateral"]["readings"][0]), Level::ALL.len());
     let outputs = ["--json", "analysis.json", "--tables", "tables", "--model", "model.json"];
     let analyze = ["analyze", "case/case.json", "--model-line", "iliac"];
-    written(here, &[&analyze[..], &outputs].concat());
-    check_angles(&json(&here.join("analysis.json")), &truth);
+    here.wrote(&[&analyze[..], &outputs].concat());
+    check_angles(&here.json("analysis.json"), &truth);
     for (table, rows) in [("space_vertebrae", 17), ("axial_rotation", 17)] {
-        let text = fs::read_to_string(here.join(format!("tables/{table}.csv"))).expect("a table");
+        let text = here.text(format!("tables/{table}.csv"));
         assert_eq!(text.lines().count(), 1 + rows, "{table}");
     }
-    written(here, &["report", "case/case.json", "--out", "report.html"]);
-    let report = fs::read_to_string(here.join("report.html")).expect("a report");
+    here.wrote(&["report", "case/case.json", "--out", "report.html"]);
+    let report = here.text("report.html");
     for part in [
         "Both films were exposed together",
         "Sagittal profile",
@@ -209,7 +185,7 @@ fn landmark_files_with_a_lateral_film_reach_every_output() {
         assert!(report.contains(part), "{part}");
     }
     for format in ["mjcf", "osim", "urdf", "vtp", "gltf"] {
-        let text = done(here, &["export", "model.json", "--to", format]);
+        let text = here.done(&["export", "model.json", "--to", format]);
         for part in [
             "MEASURED on the lateral film (L4 to T2)",
             "MEASURED from both pedicles on the erect film (L4 to T2)",
@@ -222,41 +198,22 @@ fn landmark_files_with_a_lateral_film_reach_every_output() {
 #[test]
 fn a_bad_table_of_the_lateral_film_is_refused_by_line_and_column() {
     let here = folder();
-    let here = here.path();
     let case = coarse(generate_in_space(&SpaceSetup::default()).case);
-    fs::write(here.join("phantom.json"), to_text(&CaseFile::from_case(&case))).expect("a case");
-    let note = run(here, &["export", "phantom.json", "--to", "csv"]).1;
+    here.write("phantom.json", to_text(&CaseFile::from_case(&case)));
+    let note = here.run(&["export", "phantom.json", "--to", "csv"]).1;
     assert!(note.contains("landmarks of the lateral film"), "{note}");
-    let table = done(here, &["export", "phantom.json", "--to", "lateral-csv"]);
+    let table = here.done(&["export", "phantom.json", "--to", "lateral-csv"]);
     for (i, grey) in [(1, 60), (2, 70)] {
-        picture(&here.join(format!("{i}.png")), grey, [500, 700]);
+        picture(&here.path(format!("{i}.png")), grey, [500, 700]);
     }
+    let import = line(
+        "import 1.png 2.png --film erect=1.png --lateral 2.png --patient-left image-left \
+         --patient-anterior image-left --lateral-landmarks bad.csv --case-id A --out a \
+         --keep-identity",
+    );
     let fails = |text: &str, part: &str| {
-        fs::write(here.join("bad.csv"), text).expect("a table");
-        let error = refused(
-            here,
-            &[
-                "import",
-                "1.png",
-                "2.png",
-                "--film",
-                "erect=1.png",
-                "--lateral",
-                "2.png",
-                "--patient-left",
-                "image-left",
-                "--patient-anterior",
-                "image-left",
-                "--lateral-landmarks",
-                "bad.csv",
-                "--case-id",
-                "A",
-                "--out",
-                "a",
-                "--keep-identity",
-            ],
-            3,
-        );
+        here.write("bad.csv", text);
+        let error = here.refused(&import, 3);
         assert!(error.contains("bad.csv") && error.contains(part), "{part}: {error}");
     };
     fails(
@@ -267,13 +224,13 @@ fn a_bad_table_of_the_lateral_film_is_refused_by_line_and_column() {
     let cut = first.rsplit_once(',').expect("cells").0;
     fails(&table.replace(first, &format!("{cut},x")), "inferior_posterior_row_px");
     fails(&table.replace(first, &format!("{cut},9000")), "lateral film");
-    assert!(!here.join("a/case.json").exists(), "nothing was written");
+    assert!(!here.path("a/case.json").exists(), "nothing was written");
     assert!(case.films.iter().all(|film| film.posture == Posture::Erect));
 }
 
 #[test]
 fn films_of_one_exposure_are_recognised_by_their_files_or_by_the_option() {
-    let here = Here::new();
+    let here = folder();
     let side = |number: u16, attributes: &[((u16, u16), &'static str, &str)]| {
         let mut maker = film(number);
         if number > 1 {
@@ -309,9 +266,8 @@ fn films_of_one_exposure_are_recognised_by_their_files_or_by_the_option() {
         ("7", &apart, &together[..], Some(true), "95 s apart"),
     ] {
         let out = succeeded(imports(folder, [&films[0], &films[1]], more));
-        let words = out.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(words.contains(note), "{folder}: {out}");
-        let found = here.json(&format!("{folder}/case.json"))["lateral"]["simultaneous"].as_bool();
+        assert!(words(&out).contains(note), "{folder}: {out}");
+        let found = here.json(format!("{folder}/case.json"))["lateral"]["simultaneous"].as_bool();
         assert_eq!(found, simultaneous, "{folder}");
     }
     let (_, error, code) = imports("8", [&framed[0], &framed[1]], &["--simultaneous", "no"]);

@@ -2,10 +2,9 @@
 //! never a panic.
 
 use std::fs;
-use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::program::{CASE, done, finish, refused, run, spineline, with_phantom, words};
+use crate::program::{CASE, Here, folder, line, with_phantom, words};
 
 /// Commands that say something on the standard error, and how they end.
 const TALKATIVE: [(&[&str], i32); 6] = [
@@ -24,7 +23,7 @@ fn a_full_error_stream_changes_no_exit_code() {
     for (arguments, expected) in TALKATIVE {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
         let status = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
-            .current_dir(here.path())
+            .current_dir(here.folder())
             .args(arguments)
             .stdout(Stdio::null())
             .stderr(full)
@@ -48,7 +47,7 @@ fn a_full_output_stream_is_said_and_has_its_code() {
     ] {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
         let output = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
-            .current_dir(here.path())
+            .current_dir(here.folder())
             .args(arguments)
             .stdout(full)
             .output()
@@ -71,7 +70,7 @@ fn closed_streams_change_no_exit_code() {
         for (arguments, expected) in TALKATIVE {
             let line = format!("exec \"$0\" \"$@\" {closed}");
             let mut shell = Command::new("sh");
-            shell.args(["-c", &line]).arg(&program).args(arguments).current_dir(here.path());
+            shell.args(["-c", &line]).arg(&program).args(arguments).current_dir(here.folder());
             let code = shell.status().expect("a shell").code();
             assert_eq!(code, Some(expected), "{arguments:?} {closed}");
         }
@@ -85,7 +84,7 @@ fn a_reader_that_goes_away_is_not_an_error() {
     let program = assert_cmd::cargo::cargo_bin("spineline");
     let mut shell = Command::new("sh");
     shell.args(["-c", "{ \"$0\" schema case; echo $? >&2; } | true"]).arg(&program);
-    let output = shell.current_dir(here.path()).output().expect("a shell");
+    let output = shell.current_dir(here.folder()).output().expect("a shell");
     assert_eq!(String::from_utf8_lossy(&output.stderr).trim(), "0");
 }
 
@@ -102,8 +101,8 @@ fn with_number(text: &str, key: &str, number: &str) -> String {
     format!("{}{number}{}", &text[..from], &text[from + length..])
 }
 
-fn assert_ends_well(folder: &Path, arguments: &[&str], what: &str) -> (i32, String) {
-    let (_, error, code) = run(folder, arguments);
+fn assert_ends_well(here: &Here, arguments: &[&str], what: &str) -> (i32, String) {
+    let (_, error, code) = here.run(arguments);
     assert!([0, 3, 4].contains(&code), "{arguments:?} {what}: {code} {error}");
     assert!(!error.contains("a bug"), "{arguments:?} {what}: {error}");
     (code, error)
@@ -112,16 +111,14 @@ fn assert_ends_well(folder: &Path, arguments: &[&str], what: &str) -> (i32, Stri
 #[test]
 fn a_number_beyond_all_numbers_is_bad_input_wherever_it_stands() {
     let here = with_phantom(&[]);
-    done(here.path(), &["analyze", CASE, "--json", "a.json", "--model", "m.json"]);
-    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("a file");
-    let (case, analysis, model) = (read(CASE), read("a.json"), read("m.json"));
+    here.done(&["analyze", CASE, "--json", "a.json", "--model", "m.json"]);
+    let (case, analysis, model) = (here.text(CASE), here.text("a.json"), here.text("m.json"));
     let try_all = |text: &str, keys: &[&str], command: &[&str]| {
         for key in keys {
             for number in NUMBERS {
-                fs::write(here.path().join("hostile.json"), with_number(text, key, number))
-                    .expect("written");
+                here.write("hostile.json", with_number(text, key, number));
                 let what = format!("{key} {number}");
-                let (code, error) = assert_ends_well(here.path(), command, &what);
+                let (code, error) = assert_ends_well(&here, command, &what);
                 if number.contains("400") || number == "NaN" {
                     assert_eq!(code, 3, "{what} {error}");
                     assert!(error.contains("hostile.json: line"), "{what} {error}");
@@ -145,12 +142,12 @@ fn a_number_beyond_all_numbers_is_bad_input_wherever_it_stands() {
 fn json_nested_without_end_is_bad_input() {
     let here = with_phantom(&[]);
     let deep = format!("{}{}", "[".repeat(200_000), "]".repeat(200_000));
-    let case = fs::read_to_string(here.path().join(CASE)).expect("a case");
+    let case = here.text(CASE);
     let inside = case.replacen("\"films\":", &format!("\"films\": {deep}, \"x\":"), 1);
     for text in [deep, inside] {
-        fs::write(here.path().join("deep.json"), text).expect("written");
+        here.write("deep.json", text);
         for command in ["check", "analyze", "rerun", "report"] {
-            refused(here.path(), &[command, "deep.json"], 3);
+            here.refused(&[command, "deep.json"], 3);
         }
     }
 }
@@ -158,25 +155,21 @@ fn json_nested_without_end_is_bad_input() {
 #[test]
 fn an_output_that_cannot_be_written_is_code_3_with_advice() {
     let here = with_phantom(&[]);
-    fs::write(here.path().join("file"), "").expect("written");
-    fs::create_dir(here.path().join("folder")).expect("a folder");
+    here.write("file", "");
+    fs::create_dir(here.path("folder")).expect("a folder");
     for (out, advice) in [("file/a.json", "name another path"), ("folder", "help: ")] {
-        let (_, error, code) =
-            finish(spineline(here.path()).args(["analyze", CASE, "--json", out]));
-        assert_eq!(code, 3, "{error}");
+        let error = here.refused(&["analyze", CASE, "--json", out], 3);
         assert!(error.contains(advice), "{error}");
     }
 }
 
 #[test]
 fn a_case_with_a_mark_of_the_byte_order_enters_a_store() {
-    let here = tempfile::tempdir().expect("a place for files");
-    let arguments = ["phantom", "--subject", "1", "--films", "--pixel-size", "4", "--out", "c"];
-    done(here.path(), &arguments);
-    let path = here.path().join("c/phantom-rod-01.json");
-    let text = fs::read_to_string(&path).expect("a case");
-    fs::write(&path, format!("\u{feff}{text}")).expect("written");
-    done(here.path(), &["study", "create", "s.spineline"]);
+    let here = folder();
+    here.done(&line("phantom --subject 1 --films --pixel-size 4 --out c"));
+    let text = here.text("c/phantom-rod-01.json");
+    here.write("c/phantom-rod-01.json", format!("\u{feff}{text}"));
+    here.done(&["study", "create", "s.spineline"]);
     let add = ["study", "add", "s.spineline", "c/phantom-rod-01.json"];
-    done(here.path(), &add);
+    here.done(&add);
 }

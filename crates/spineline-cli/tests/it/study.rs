@@ -1,79 +1,74 @@
 //! `spineline study`: the store from the command line.
 
 use std::fs;
-use std::path::Path;
 
 use spineline_store::{Name, Signature, Store, Study};
 
-use crate::program::{done, refused, run};
+use crate::program::{Here, folder};
 
-/// A store with one synthetic case of one reading, whose films are small files of any bytes.
-fn store(folder: &Path) {
-    done(folder, &["phantom", "--subject", "1", "--out", "p", "--noise", "0"]);
-    let path = folder.join("p/phantom-rod-01.json");
-    let mut case: serde_json::Value =
-        serde_json::from_str(&fs::read_to_string(&path).expect("written")).expect("JSON");
-    for film in case["films"].as_array_mut().expect("films") {
-        let posture = film["posture"].as_str().expect("a posture").to_owned();
-        let file = format!("{posture}.bin");
-        fs::write(folder.join("p").join(&file), &posture).expect("a film");
-        film["image"]["file"] = file.into();
-        film["image"]["sha256"] = spineline_files::sha256_hex(posture.as_bytes()).into();
-    }
-    fs::write(&path, spineline_files::to_text(&case)).expect("written");
-    done(folder, &["study", "create", "s.db"]);
-    let out = done(folder, &["study", "add", "s.db", "p/phantom-rod-01.json"]);
+/// A folder with a store of one synthetic case of one reading, whose films are small files of any bytes.
+fn store() -> Here {
+    let here = folder();
+    here.done(&["phantom", "--subject", "1", "--out", "p", "--noise", "0"]);
+    here.change("p/phantom-rod-01.json", |case| {
+        for film in case["films"].as_array_mut().expect("films") {
+            let posture = film["posture"].as_str().expect("a posture").to_owned();
+            let file = format!("{posture}.bin");
+            here.write(format!("p/{file}"), &posture);
+            film["image"]["file"] = file.into();
+            film["image"]["sha256"] = spineline_files::sha256_hex(posture.as_bytes()).into();
+        }
+    });
+    here.done(&["study", "create", "s.db"]);
+    let out = here.done(&["study", "add", "s.db", "p/phantom-rod-01.json"]);
     assert!(out.contains("5 films and 5 readings"), "{out}");
+    here
 }
 
 #[test]
 fn a_case_round_trips_through_the_store_with_equal_landmarks() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    store(here.path());
-    let out = done(here.path(), &["study", "export", "s.db", "phantom-rod-01"]);
-    let before = fs::read_to_string(here.path().join("p/phantom-rod-01.json")).expect("written");
+    let here = store();
+    let out = here.done(&["study", "export", "s.db", "phantom-rod-01"]);
+    let before = here.text("p/phantom-rod-01.json");
     let before = spineline_files::parse_case(&before).expect("a case");
     let after = spineline_files::parse_case(&out).expect("a case");
     assert!(after.synthetic);
     assert_eq!(before.films, after.films);
-    let (out, _, _) = run(here.path(), &["study", "list", "s.db"]);
+    let (out, _, _) = here.run(&["study", "list", "s.db"]);
     assert!(out.contains("phantom-rod-01 (synthetic)") && out.contains("right bending"), "{out}");
 }
 
 #[test]
 fn a_store_verification_reports_edits() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    store(here.path());
-    let (out, _, code) = run(here.path(), &["study", "verify", "s.db"]);
-    assert_eq!(code, 0, "{out}");
+    let here = store();
+    let out = here.done(&["study", "verify", "s.db"]);
     let head = out.split_whitespace().find(|word| word.contains(':') && word.len() > 64);
     let head = head.expect("the end of the log").to_owned();
-    let (out, error, code) = run(here.path(), &["study", "backup", "s.db", "copy.db"]);
+    let (out, error, code) = here.run(&["study", "backup", "s.db", "copy.db"]);
     assert_eq!((code, error.as_str()), (0, ""), "{out}");
-    done(here.path(), &["study", "verify", "copy.db", "--head", &head]);
-    let connection = rusqlite::Connection::open(here.path().join("copy.db")).expect("SQLite");
+    here.done(&["study", "verify", "copy.db", "--head", &head]);
+    let connection = rusqlite::Connection::open(here.path("copy.db")).expect("SQLite");
     connection
         .execute_batch("UPDATE studies SET synthetic = 0")
         .expect("an edit behind the program's back");
     drop(connection);
-    let (out, _, code) = run(here.path(), &["study", "verify", "copy.db"]);
+    let (out, _, code) = here.run(&["study", "verify", "copy.db"]);
     assert_eq!(code, 3);
     assert!(out.contains("study/phantom-rod-01 differs from its entry in the log"), "{out}");
 }
 
 #[test]
 fn texts_about_a_store_fit_a_terminal_and_a_store_is_not_a_case() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    store(here.path());
+    let here = store();
     for command in ["list", "verify"] {
-        let out = done(here.path(), &["study", command, "s.db"]);
+        let out = here.done(&["study", command, "s.db"]);
         assert!(out.lines().all(|line| line.chars().count() <= 100), "{out}");
     }
     // Programs get the hash of a film as a whole.
-    let log = done(here.path(), &["study", "log", "s.db"]);
+    let log = here.done(&["study", "log", "s.db"]);
     let erect = format!("content/{}", spineline_files::sha256_hex(b"erect"));
     assert!(log.split_whitespace().any(|word| word == erect), "{log}");
-    let error = refused(here.path(), &["analyze", "s.db"], 3);
+    let error = here.refused(&["analyze", "s.db"], 3);
     assert!(
         error.contains("a study store") && error.contains("`spineline study export"),
         "{error}"
@@ -82,64 +77,57 @@ fn texts_about_a_store_fit_a_terminal_and_a_store_is_not_a_case() {
 
 #[test]
 fn an_observer_sees_only_a_code() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    store(here.path());
+    let here = store();
     // A study that was read has no plan any more; one without readings gets one.
-    let path = here.path().join("p/phantom-rod-01.json");
-    let text = fs::read_to_string(&path).expect("written");
-    let mut case: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let mut case = here.json("p/phantom-rod-01.json");
     case["case_id"] = "blind".into();
     for film in case["films"].as_array_mut().expect("films") {
         film["readings"] = serde_json::Value::Array(Vec::new());
     }
-    fs::write(here.path().join("p/blind.json"), case.to_string()).expect("written");
-    done(here.path(), &["study", "add", "s.db", "p/blind.json"]);
+    here.write("p/blind.json", case.to_string());
+    here.done(&["study", "add", "s.db", "p/blind.json"]);
     let plan = ["study", "plan", "s.db", "blind", "--observers", "A,B", "--repeats", "2"];
-    let out = done(here.path(), &plan);
+    let out = here.done(&plan);
     assert!(out.contains("Planned 20 readings"), "{out}");
-    let (out, _, _) = run(here.path(), &["study", "next", "s.db", "blind", "--observer", "A"]);
+    let (out, _, _) = here.run(&["study", "next", "s.db", "blind", "--observer", "A"]);
     assert!(out.starts_with("Next: film "), "{out}");
     for word in ["erect", "bending", "neutral", "traction", "repeat"] {
         assert!(!out.contains(word), "{out}");
     }
-    let (out, error, code) =
-        run(here.path(), &["study", "next", "s.db", "blind", "--observer", "Typo"]);
+    let (out, error, code) = here.run(&["study", "next", "s.db", "blind", "--observer", "Typo"]);
     assert_eq!((out.as_str(), code), ("", 3), "{error}");
     assert!(error.contains("unknown observer `Typo`: the plan of blind has A, B"), "{error}");
 }
 
 #[test]
 fn a_file_that_is_not_a_store_is_not_changed() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    fs::write(here.path().join("notes.txt"), "notes").expect("a file");
+    let here = folder();
+    here.write("notes.txt", "notes");
     for command in ["create", "list", "verify", "log"] {
-        let error = refused(here.path(), &["study", command, "notes.txt"], 3);
+        let error = here.refused(&["study", command, "notes.txt"], 3);
         assert!(error.contains("notes.txt") && error.contains("help:"), "{error}");
     }
-    assert_eq!(fs::read(here.path().join("notes.txt")).expect("still there"), b"notes");
-    let error = refused(here.path(), &["study", "list", "missing.db"], 3);
+    assert_eq!(fs::read(here.path("notes.txt")).expect("still there"), b"notes");
+    let error = here.refused(&["study", "list", "missing.db"], 3);
     assert!(error.contains("missing.db"), "{error}");
 }
 
 #[test]
 fn a_film_of_another_case_is_refused_before_any_write() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    store(here.path());
-    let path = here.path().join("p/phantom-rod-01.json");
-    let text = fs::read_to_string(&path).expect("written").replace("phantom-rod-01", "other");
-    fs::write(&path, text).expect("written");
-    fs::write(here.path().join("p/neutral.bin"), "changed").expect("a film");
-    let error = refused(here.path(), &["study", "add", "s.db", "p/phantom-rod-01.json"], 3);
+    let here = store();
+    let text = here.text("p/phantom-rod-01.json").replace("phantom-rod-01", "other");
+    here.write("p/phantom-rod-01.json", text);
+    here.write("p/neutral.bin", "changed");
+    let error = here.refused(&["study", "add", "s.db", "p/phantom-rod-01.json"], 3);
     assert!(error.contains("neutral film") && error.contains("SHA-256"), "{error}");
-    assert!(!run(here.path(), &["study", "list", "s.db"]).0.contains("other"));
+    assert!(!here.run(&["study", "list", "s.db"]).0.contains("other"));
 }
 
 #[test]
 fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_place() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let at = |name: &str| here.path().join(name);
-    store(here.path());
-    done(here.path(), &["study", "backup", "s.db", "copy.db"]);
+    let here = store();
+    let at = |name: &str| here.path(name);
+    here.done(&["study", "backup", "s.db", "copy.db"]);
     // Two changes that only the log holds, as a killed server leaves them.
     let by =
         Signature::new(Name::new("lead").expect("a name"), std::time::SystemTime::now().into());
@@ -148,7 +136,7 @@ fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_
         let id = Name::new(id).expect("a name");
         writer.add_study(&Study::new(id, None, true), &by).expect("a study");
     }
-    let held = refused(here.path(), &["study", "restore", "copy.db", "s.db"], 3);
+    let held = here.refused(&["study", "restore", "copy.db", "s.db"], 3);
     assert!(held.contains("another program has the store open"), "{held}");
     for (from, to) in [("copy.db", "k.db"), ("s.db-wal", "k.db-wal"), ("s.db-head", "k.db-head")] {
         fs::copy(at(from), at(to)).expect("a copy");
@@ -159,17 +147,17 @@ fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_
     let account = ["account", "add", "A", "--role", "admin", "--password-stdin", "k.db"];
     let verify = ["study", "verify", "k.db"];
     for command in [&add[..], &account, &["serve", "k.db", "--port", "0"], &verify] {
-        let error = refused(here.path(), command, 3);
+        let error = here.refused(command, 3);
         assert!(error.contains("k.db-wal") && error.contains("study restore"), "{error}");
     }
     assert!(files() == before);
-    let out = done(here.path(), &["study", "restore", "copy.db", "k.db"]);
+    let out = here.done(&["study", "restore", "copy.db", "k.db"]);
     assert!(
         out.contains("k.db was restored from copy.db") && out.contains("k.db.replaced-1"),
         "{out}"
     );
     let head = |store: &str| {
-        let out = done(here.path(), &["study", "verify", store]);
+        let out = here.done(&["study", "verify", store]);
         out.split_whitespace().find(|word| word.len() > 64).expect("the end of the log").to_owned()
     };
     assert_eq!(head("k.db"), head("copy.db"));
@@ -178,8 +166,8 @@ fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_
 
 #[test]
 fn an_error_names_a_missing_store_once() {
-    let here = tempfile::tempdir().expect("a temporary folder");
-    let error = refused(here.path(), &["study", "list", "s.db"], 3);
+    let here = folder();
+    let error = here.refused(&["study", "list", "s.db"], 3);
     assert!(error.starts_with("error: s.db: store not found"), "{error}");
     assert!(error.contains("spineline study create"), "{error}");
 }

@@ -4,14 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use serde_json::Value;
-
-use crate::program;
-
-fn run(folder: &Path, arguments: &[&str]) -> (String, i32) {
-    let (_, error, code) = program::run(folder, arguments);
-    (error, code)
-}
+use crate::program::{line, with_phantom};
 
 fn names(folder: &Path) -> BTreeSet<String> {
     let entries = fs::read_dir(folder).expect("a folder");
@@ -20,12 +13,10 @@ fn names(folder: &Path) -> BTreeSet<String> {
 
 #[test]
 fn every_table_is_written_in_both_formats_with_its_hash() {
-    let here = program::with_phantom(&[]);
-    let (error, code) = run(here.path(), &["analyze", "cases", "--tables", "t", "--threads", "1"]);
-    assert_eq!(code, 0, "{error}");
-    let folder = here.path().join("t");
-    let text = fs::read_to_string(folder.join("provenance.json")).expect("where they come from");
-    let json: Value = serde_json::from_str(&text).expect("JSON");
+    let here = with_phantom(&[]);
+    here.done(&["analyze", "cases", "--tables", "t", "--threads", "1"]);
+    let folder = here.path("t");
+    let json = here.json("t/provenance.json");
     assert_eq!(json["provenance"]["films"], "synthetic");
     let listed = json["of"].as_array().expect("files");
     for file in listed {
@@ -44,31 +35,20 @@ fn every_table_is_written_in_both_formats_with_its_hash() {
             assert!(found.contains(&format!("{name}.{end}")), "{name}.{end}");
         }
     }
-    let dictionary = fs::read_to_string(folder.join("dictionary.csv")).expect("meanings");
+    let dictionary = here.text("t/dictionary.csv");
     assert!(dictionary.starts_with("table,column,unit,type,meaning\n"));
     assert!(!dictionary.contains("\nuncertainty,"), "not requested");
 }
 
 #[test]
 fn formats_are_chosen_and_requests_add_tables() {
-    let here = program::with_phantom(&[]);
-    let asked = [
-        "analyze",
-        "cases",
-        "--tables",
-        "t",
-        "--tables-format",
-        "csv",
-        "--replicates",
-        "2",
-        "--compare-models",
-        "couple",
-    ];
-    let (error, code) = run(here.path(), &asked);
-    assert_eq!(code, 0, "{error}");
-    let found = names(&here.path().join("t"));
+    let here = with_phantom(&[]);
+    let asked =
+        line("analyze cases --tables t --tables-format csv --replicates 2 --compare-models couple");
+    here.done(&asked);
+    let found = names(&here.path("t"));
     assert!(found.contains("uncertainty.csv") && found.contains("hypotheses.csv"), "{found:?}");
     assert!(!found.iter().any(|name| name.ends_with(".parquet")), "{found:?}");
-    let (error, code) = run(here.path(), &["analyze", "cases", "--tables-format", "csv"]);
-    assert!(code == 2 && error.contains("--tables"), "{error}");
+    let error = here.refused(&["analyze", "cases", "--tables-format", "csv"], 2);
+    assert!(error.contains("--tables"), "{error}");
 }

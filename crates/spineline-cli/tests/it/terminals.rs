@@ -1,17 +1,16 @@
 //! What others wrote, in files or in names of files, does not steer the terminal.
 
 use std::fs;
-use std::path::Path;
 
-use crate::program::{CASE, done, folder, json, run, with_phantom};
+use crate::program::{CASE, Here, with_phantom};
 
 /// Clears the screen, sets a title, turns the direction of writing, and pretends to be a message.
 const HOSTILE: &str =
     "a\u{1b}[2J\u{1b}]0;x\u{7}\u{9b}31m\u{202e}\u{2066}\u{200b}\nerror: fake\r\u{85}fake\u{2028}b";
 
 /// Every stream of a command, which holds nothing that is hidden, and no line that is not its own.
-fn plain(folder: &Path, arguments: &[&str]) -> String {
-    let (output, error, code) = run(folder, arguments);
+fn plain(here: &Here, arguments: &[&str]) -> String {
+    let (output, error, code) = here.run(arguments);
     let text = output + &error;
     let hidden = |c: char| {
         (c.is_control() && c != '\n')
@@ -25,10 +24,10 @@ fn plain(folder: &Path, arguments: &[&str]) -> String {
 }
 
 /// The phantom with one value replaced.
-fn changed(folder: &Path, name: &str, change: impl FnOnce(&mut serde_json::Value)) -> String {
-    let mut case = json(&folder.join(CASE));
+fn changed(here: &Here, name: &str, change: impl FnOnce(&mut serde_json::Value)) -> String {
+    let mut case = here.json(CASE);
     change(&mut case);
-    fs::write(folder.join(name), case.to_string()).expect("written");
+    here.write(name, case.to_string());
     name.to_owned()
 }
 
@@ -36,18 +35,18 @@ fn changed(folder: &Path, name: &str, change: impl FnOnce(&mut serde_json::Value
 fn values_of_a_case_are_shown_and_not_obeyed() {
     let here = with_phantom(&[]);
     let cases = [
-        changed(here.path(), "id.json", |case| case["case_id"] = HOSTILE.into()),
-        changed(here.path(), "posture.json", |case| case["films"][0]["posture"] = HOSTILE.into()),
-        changed(here.path(), "key.json", |case| case[HOSTILE] = 1.into()),
-        changed(here.path(), "format.json", |case| case["format"] = HOSTILE.into()),
-        changed(here.path(), "observer.json", |case| {
+        changed(&here, "id.json", |case| case["case_id"] = HOSTILE.into()),
+        changed(&here, "posture.json", |case| case["films"][0]["posture"] = HOSTILE.into()),
+        changed(&here, "key.json", |case| case[HOSTILE] = 1.into()),
+        changed(&here, "format.json", |case| case["format"] = HOSTILE.into()),
+        changed(&here, "observer.json", |case| {
             case["films"][0]["readings"][0]["observer"] = HOSTILE.into();
         }),
-        changed(here.path(), "file.json", |case| {
+        changed(&here, "file.json", |case| {
             case["films"][0]["image"]["file"] = HOSTILE.into();
         }),
     ];
-    done(here.path(), &["study", "create", "s.db"]);
+    here.done(&["study", "create", "s.db"]);
     for case in &cases {
         for command in [
             vec!["check", case],
@@ -59,7 +58,7 @@ fn values_of_a_case_are_shown_and_not_obeyed() {
             vec!["simulate", case],
             vec!["reliability", case],
         ] {
-            plain(here.path(), &command);
+            plain(&here, &command);
         }
     }
 }
@@ -67,8 +66,8 @@ fn values_of_a_case_are_shown_and_not_obeyed() {
 #[test]
 fn an_analysis_is_repeated_without_obeying_its_words() {
     let here = with_phantom(&[]);
-    done(here.path(), &["analyze", CASE, "--json", "a.json"]);
-    let mut analysis = json(&here.path().join("a.json"));
+    here.done(&["analyze", CASE, "--json", "a.json"]);
+    let mut analysis = here.json("a.json");
     let provenance = &mut analysis["provenance"];
     for key in ["program", "date_utc"] {
         assert!(provenance[key].is_string(), "{provenance}");
@@ -77,9 +76,9 @@ fn an_analysis_is_repeated_without_obeying_its_words() {
     provenance["command"][0] = HOSTILE.into();
     provenance["inputs"][0]["name"] = HOSTILE.into();
     analysis[HOSTILE] = 1.into();
-    fs::write(here.path().join("a.json"), analysis.to_string()).expect("written");
-    plain(here.path(), &["rerun", "a.json"]);
-    plain(here.path(), &["report", "a.json", "--out", "r.html"]);
+    here.write("a.json", analysis.to_string());
+    plain(&here, &["rerun", "a.json"]);
+    plain(&here, &["report", "a.json", "--out", "r.html"]);
 }
 
 #[test]
@@ -87,11 +86,11 @@ fn an_analysis_is_repeated_without_obeying_its_words() {
 fn names_of_files_are_shown_and_not_obeyed() {
     let here = with_phantom(&[]);
     let odd = format!("{HOSTILE}.json");
-    fs::copy(here.path().join(CASE), here.path().join(&odd)).expect("copied");
-    done(here.path(), &["study", "create", "s.db"]);
+    fs::copy(here.path(CASE), here.path(&odd)).expect("copied");
+    here.done(&["study", "create", "s.db"]);
     let folder = format!("d{HOSTILE}");
-    fs::create_dir(here.path().join(&folder)).expect("a folder");
-    fs::write(here.path().join(&folder).join(&odd), "{}").expect("written");
+    fs::create_dir(here.path(&folder)).expect("a folder");
+    here.write(format!("{folder}/{odd}"), "{}");
     let dashed = format!("--{HOSTILE}");
     let missing = format!("{HOSTILE}.missing");
     for command in [
@@ -116,7 +115,7 @@ fn names_of_files_are_shown_and_not_obeyed() {
         vec!["schema", &odd],
         vec![&odd],
     ] {
-        plain(here.path(), &command);
+        plain(&here, &command);
     }
 }
 
@@ -129,36 +128,34 @@ fn a_value_of_60_mb_is_named_in_a_line_of_two_thousand_letters() {
         ("posture", "/films/0/posture"),
         ("observer", "/films/0/readings/0/observer"),
     ] {
-        let name = changed(here.path(), &format!("{name}.json"), |case| {
+        let name = changed(&here, &format!("{name}.json"), |case| {
             *case.pointer_mut(change).expect("a place") = "é".repeat(2_000_000).into();
         });
-        let text = plain(here.path(), &["check", &name]);
+        let text = plain(&here, &["check", &name]);
         assert!(text.lines().all(|line| line.chars().count() < 2100), "{name}: {}", text.len());
         assert!(text.contains("  help: "), "{name}: {text}");
     }
-    let key = changed(here.path(), "key.json", |case| case["k".repeat(5_000_000)] = 1.into());
-    assert!(plain(here.path(), &["check", &key]).len() < 10_000);
+    let key = changed(&here, "key.json", |case| case["k".repeat(5_000_000)] = 1.into());
+    assert!(plain(&here, &["check", &key]).len() < 10_000);
 }
 
 #[test]
 fn tables_of_odd_names_hold_no_formula() {
-    let here = folder();
-    done(here.path(), &["phantom", "--subject", "1", "--out", "cases"]);
-    let case = changed(here.path(), "-A1.json", |case| {
+    let here = with_phantom(&[]);
+    let case = changed(&here, "-A1.json", |case| {
         case["case_id"] = "-A1".into();
         for film in case["films"].as_array_mut().expect("films") {
             film["readings"][0]["observer"] = "-2".into();
         }
     });
-    fs::create_dir(here.path().join("all")).expect("a folder");
-    fs::rename(here.path().join(&case), here.path().join("all").join(&case)).expect("moved");
-    fs::write(here.path().join("all/=cmd.json"), "{}").expect("written");
+    fs::create_dir(here.path("all")).expect("a folder");
+    fs::rename(here.path(&case), here.path("all").join(&case)).expect("moved");
+    here.write("all/=cmd.json", "{}");
     let outputs = ["--csv", "v.csv", "--chain", "c.csv", "--cohort", "t.csv", "--tables", "t"];
-    let (_, error, code) = run(here.path(), &[&["analyze", "all"], &outputs[..]].concat());
-    assert_eq!(code, 3, "{error}");
-    let inside = fs::read_dir(here.path().join("t")).expect("a folder");
+    here.refused(&[&["analyze", "all"], &outputs[..]].concat(), 3);
+    let inside = fs::read_dir(here.path("t")).expect("a folder");
     let mut files: Vec<_> = inside.map(|entry| entry.expect("an entry").path()).collect();
-    files.extend(["v.csv", "c.csv", "t.csv"].map(|name| here.path().join(name)));
+    files.extend(["v.csv", "c.csv", "t.csv"].map(|name| here.path(name)));
     files.retain(|file| file.extension().is_some_and(|end| end == "csv"));
     assert!(files.len() > 10, "{files:?}");
     let mut guarded = 0;
