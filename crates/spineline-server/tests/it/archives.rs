@@ -10,7 +10,7 @@ use crate::browser::{Answer, App, Browser, options};
 use crate::demo::app_with_demo;
 use crate::dicomweb_orthanc::Orthanc;
 use crate::dicomweb_server::{Asked, Reply, serve};
-use crate::films::{decoding, film_of, with_text};
+use crate::films::{decoding, film_of, uploaded_film, with_text};
 
 const SERIES: &str = r#"[{"0020000D": {"vr": "UI", "Value": ["1.2"]}, "0020000E": {"vr": "UI", "Value": ["1.2.3"]},
     "00080020": {"vr": "DA", "Value": ["20240517"]}, "00080060": {"vr": "CS", "Value": ["DX"]},
@@ -108,20 +108,17 @@ fn a_film_of_an_archive_is_searched_opened_as_an_upload_and_logged() {
     let browser = app.observer("Ann");
     assert_eq!(browser.get("/api/archives").json(), json!(["clinic"]));
 
-    let found = browser.post("/api/archives/search", &search_body());
-    assert_eq!(found.status, StatusCode::OK, "{}", found.text());
+    let found = browser.post("/api/archives/search", &search_body()).ok();
     let series = found.json()["series"][0].clone();
     assert_eq!((&series["day"], &series["films"]), (&json!("2024-05-17"), &json!(2)));
     let body = json!({ "archive": "clinic", "study": series["study"], "series": series["series"] });
     let films = browser.post("/api/archives/films", &body);
     assert_eq!(films.json()["films"][0]["rows"], 900, "{}", films.text());
 
-    let view = open(&browser, ["1.2", "1.2.3", "1.2.3.4"]);
-    assert_eq!(view.status, StatusCode::OK, "{}", view.text());
-    let new = json!({ "id": "S-17", "label": null, "films": [{ "upload": view.json()["upload"],
-        "posture": "erect", "patient_left": "image_left", "scale": { "kind": "file" } }] });
-    let made = browser.post("/api/studies", &new);
-    assert_eq!(made.status, StatusCode::OK, "{}", made.text());
+    let view = open(&browser, ["1.2", "1.2.3", "1.2.3.4"]).ok();
+    let film = uploaded_film(&view.json()["upload"], "erect");
+    let new = json!({ "id": "S-17", "label": null, "films": [film] });
+    let made = browser.post("/api/studies", &new).ok();
     for answer in [&found, &films, &view, &made] {
         assert!(!answer.text().contains("DOE") && !answer.text().contains("secret"));
     }
@@ -208,14 +205,12 @@ fn a_film_of_orthanc_becomes_a_study() {
     let archives = vec![clinic(&orthanc.address())];
     let app = app.restarted(ServeOptions { archives, ..decoding() });
     let browser = app.observer("Ann");
-    let found = browser.post("/api/archives/search", &search_body());
-    assert_eq!(found.status, StatusCode::OK, "{}", found.text());
+    let found = browser.post("/api/archives/search", &search_body()).ok();
     let series = found.json()["series"][0].clone();
     let body = json!({ "archive": "clinic", "study": series["study"], "series": series["series"] });
     let film = browser.post("/api/archives/films", &body).json()["films"][0].clone();
     let text = |value: &Value| value.as_str().expect("a UID").to_owned();
     let [study, series, film] = [&series["study"], &series["series"], &film["instance"]].map(text);
-    let view = open(&browser, [&study, &series, &film]);
-    assert_eq!(view.status, StatusCode::OK, "{}", view.text());
+    let view = open(&browser, [&study, &series, &film]).ok();
     assert!(view.json()["columns"].as_u64() > Some(10), "{}", view.text());
 }

@@ -181,15 +181,14 @@ impl App {
     pub fn observer(&self, observer: &str) -> Browser<'_> {
         let mut browser = self.browser();
         let how = json!({ "kind": "token", "token": self.token(), "observer": observer });
-        assert_eq!(browser.sign_in(&how).status, StatusCode::OK);
+        browser.sign_in(&how).ok();
         browser
     }
 
     /// A browser that is signed in with an account.
     pub fn account(&self, who: &str) -> Browser<'_> {
         let mut browser = self.browser();
-        let answer = browser.sign_in(&account(who, PASSWORD));
-        assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
+        browser.sign_in(&account(who, PASSWORD)).ok();
         browser
     }
 }
@@ -204,6 +203,12 @@ fn copy(from: &Path, to: &Path) {
 
 pub fn account(who: &str, password: &str) -> Value {
     json!({ "kind": "account", "name": who, "password": password })
+}
+
+/// The body of a request that changes options of a study.
+pub fn changed_options(revision: u64, options: &[(&str, &str)]) -> Value {
+    let options = options.iter().map(|(name, value)| json!({ "name": name, "value": value }));
+    json!({ "expected_revision": revision, "reset": false, "options": options.collect::<Vec<_>>() })
 }
 
 pub fn options(access: Access) -> ServeOptions {
@@ -325,6 +330,13 @@ pub struct Answer {
 }
 
 impl Answer {
+    /// The answer to a request that has to succeed.
+    #[track_caller]
+    pub fn ok(self) -> Self {
+        assert_eq!(self.status, StatusCode::OK, "{}", self.text());
+        self
+    }
+
     pub fn text(&self) -> String {
         String::from_utf8_lossy(&self.body).into_owned()
     }

@@ -4,6 +4,7 @@ use axum::http::StatusCode;
 use serde_json::{Value, json};
 use spineline::hypothesis::Hypothesis;
 
+use crate::browser::changed_options;
 use crate::demo::app_with_demo;
 use crate::films::decoding;
 
@@ -39,12 +40,7 @@ fn replicates_are_computed_and_shown_and_cancelled() {
     let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
     assert!(report.contains("Effect of landmark noise on the results"));
     assert_eq!(lead.get(PATH).json(), done);
-    let change = |revision: u64, value: &str| {
-        json!({
-            "expected_revision": revision, "reset": false,
-            "options": [{ "name": "support", "value": value }]
-        })
-    };
+    let change = |revision: u64, value: &str| changed_options(revision, &[("support", value)]);
     let options = "/api/studies/demo-rod-01/options";
     assert_eq!(lead.put(options, &change(0, "free")).status, StatusCode::OK);
     assert_eq!(lead.get(PATH).json()["state"], "none");
@@ -140,12 +136,8 @@ fn identifiability_and_other_models_are_computed_and_exported() {
     assert!(report.contains("Loads and bases compared"));
 
     // Other options give other results.
-    let change = json!({
-        "expected_revision": 0, "reset": false,
-        "options": [{ "name": "support", "value": "free" }]
-    });
-    let changed = lead.put("/api/studies/demo-rod-01/options", &change);
-    assert_eq!(changed.status, StatusCode::OK);
+    let change = changed_options(0, &[("support", "free")]);
+    lead.put("/api/studies/demo-rod-01/options", &change).ok();
     for kind in ["identifiability", "models"] {
         assert_eq!(lead.get(&path(kind)).json()["state"], "none", "{kind}");
     }

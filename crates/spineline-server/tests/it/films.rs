@@ -51,8 +51,7 @@ pub fn record(
 }
 
 pub fn begin(browser: &Browser<'_>, film: i64) -> i64 {
-    let begun = browser.post(&format!("/api/films/{film}/readings"), &json!({ "repeat": 1 }));
-    assert_eq!(begun.status, StatusCode::OK, "{}", begun.text());
+    let begun = browser.post(&format!("/api/films/{film}/readings"), &json!({ "repeat": 1 })).ok();
     begun.json()["reading"].as_i64().expect("a number")
 }
 
@@ -69,8 +68,7 @@ fn thumbnails_and_scales_of_films_survive_a_restart() {
     let nothing = ServeOptions { decoder: "/nowhere".into(), ..decoding() };
     let app = app.restarted(nothing);
     let browser = app.observer("Ann");
-    let again = browser.get(&format!("/api/films/{id}/thumbnail"));
-    assert_eq!(again.status, StatusCode::OK, "{}", again.text());
+    let again = browser.get(&format!("/api/films/{id}/thumbnail")).ok();
     assert!(small.starts_with(b"\x89PNG") && again.body == small);
     assert_eq!(film(&browser.get("/api/studies/demo-rod-01").json()), before);
     assert_eq!(before["row_mm"], json!(0.2));
@@ -89,8 +87,7 @@ fn a_reading_is_recorded_undone_reloaded_and_finished() {
     assert_eq!(browser.get("/api/studies").json().as_array().map(Vec::len), Some(1));
 
     let film = films[0]["film"].as_i64().expect("a number");
-    let pixels = browser.get(&format!("/api/films/{film}/pixels"));
-    assert_eq!(pixels.status, StatusCode::OK, "{}", pixels.text());
+    let pixels = browser.get(&format!("/api/films/{film}/pixels")).ok();
     let number = |name: &str| pixels.header(name).parse::<f64>().expect("a number");
     let count = number("x-spineline-columns") * number("x-spineline-rows");
     assert_eq!(pixels.body.len() as f64, 2.0 * count);
@@ -228,6 +225,12 @@ pub fn film_of(app: &App) -> Vec<u8> {
     bytes
 }
 
+/// A film of a new study: an upload, with the scale of its file.
+pub fn uploaded_film(upload: &Value, posture: &str) -> Value {
+    json!({ "upload": upload, "posture": posture, "patient_left": "image_left",
+        "scale": { "kind": "file" } })
+}
+
 pub fn upload(browser: &Browser<'_>, bytes: Vec<u8>) -> crate::browser::Answer {
     browser.send(Method::POST, "/api/uploads", "application/octet-stream", bytes)
 }
@@ -237,18 +240,15 @@ fn a_patients_name_reaches_neither_answers_nor_the_store() {
     let app = app_with_demo();
     let browser = app.observer("Ann");
     let bytes = film_of(&app);
-    let uploaded = upload(&browser, bytes);
-    assert_eq!(uploaded.status, StatusCode::OK, "{}", uploaded.text());
+    let uploaded = upload(&browser, bytes).ok();
     let view = uploaded.json();
     let id = view["upload"].as_str().expect("a name");
     assert!(browser.get(&format!("/api/uploads/{id}/thumbnail")).body.starts_with(b"\x89PNG"));
     let others = app.observer("Bob");
     assert_eq!(others.get(&format!("/api/uploads/{id}/thumbnail")).status, StatusCode::NOT_FOUND);
-    let film = json!({ "upload": id, "posture": "erect", "patient_left": "image_left",
-        "scale": { "kind": "file" } });
+    let film = uploaded_film(&view["upload"], "erect");
     let new = json!({ "id": "S-17", "label": null, "films": [film] });
-    let made = browser.post("/api/studies", &new);
-    assert_eq!(made.status, StatusCode::OK, "{}", made.text());
+    let made = browser.post("/api/studies", &new).ok();
     let case = browser.get("/api/studies/S-17/case");
     for answer in [&uploaded, &made, &case] {
         assert!(!answer.text().contains("DOE"), "{}", answer.text());
@@ -316,8 +316,7 @@ fn uploads_that_no_study_uses_are_dropped_in_time() {
     let ann = app.observer("Ann");
     let bytes = film_of(&app);
     for _ in 0..3 {
-        let view = upload(&ann, bytes.clone());
-        assert_eq!(view.status, StatusCode::OK, "{}", view.text());
+        let view = upload(&ann, bytes.clone()).ok();
         let id = view.json()["upload"].as_str().expect("a name").to_owned();
         let gone = ann.get(&format!("/api/uploads/{id}/thumbnail"));
         assert_eq!(gone.status, StatusCode::NOT_FOUND);
@@ -347,8 +346,7 @@ fn no_answer_to_a_blinded_reader_contains_a_posture() {
     let reader = app.observer("Bob");
     let detail = reader.get("/api/studies/blind");
     let code = detail.json()["plan"]["next"]["code"].as_str().expect("a code").to_owned();
-    let begun = reader.post(&format!("/api/codes/{code}/readings"), &Value::Null);
-    assert_eq!(begun.status, StatusCode::OK, "{}", begun.text());
+    let begun = reader.post(&format!("/api/codes/{code}/readings"), &Value::Null).ok();
     let reading = begun.json()["reading"].as_i64().expect("a number");
     let pixels = reader.get(&format!("/api/readings/{reading}/pixels"));
     assert_eq!((pixels.status, pixels.header("etag").as_str()), (StatusCode::OK, ""));
@@ -419,9 +417,7 @@ fn films_of_two_patients_or_of_a_leg_are_refused_until_confirmed() {
         let bytes = with_text(demo_film(&app, number), [0x10, 0x20], b"LO", id);
         let bytes = with_text(bytes, [0x10, 0x40], b"CS", sex);
         let bytes = with_text(bytes, [0x18, 0x15], b"CS", part);
-        let view = upload(&browser, bytes).json();
-        json!({ "upload": view["upload"], "posture": posture, "patient_left": "image_left",
-            "scale": { "kind": "file" } })
+        uploaded_film(&upload(&browser, bytes).json()["upload"], posture)
     };
     for (study, stated, doubt) in [
         ("S-1", ["AAAA", "F ", "SPINE "], None),

@@ -6,7 +6,7 @@ use spineline_server::openapi;
 
 use crate::browser::{Answer, App, Browser};
 use crate::demo::app_with_demo;
-use crate::films::{film_of, upload};
+use crate::films::{begin, film_of, upload, uploaded_film};
 use crate::unpacked::{holds, wrapped};
 
 /// The name in the demonstration's films, the one in the uploaded film, and the label of its study.
@@ -60,16 +60,12 @@ fn check(answer: &Answer, path: &str, canaries: &[&str]) {
 
 /// A study of one uploaded film, with a reading; its film and reading.
 fn uploaded_study(browser: &Browser<'_>, bytes: Vec<u8>) -> [i64; 2] {
-    let view = upload(browser, bytes);
-    assert_eq!(view.status, StatusCode::OK, "{}", view.text());
-    let film = json!({ "upload": view.json()["upload"], "posture": "erect",
-        "patient_left": "image_left", "scale": { "kind": "file" } });
+    let view = upload(browser, bytes).ok();
+    let film = uploaded_film(&view.json()["upload"], "erect");
     let new = json!({ "id": "S-17", "label": PATIENTS[2], "films": [film] });
-    let made = browser.post("/api/studies", &new);
-    assert_eq!(made.status, StatusCode::OK, "{}", made.text());
+    let made = browser.post("/api/studies", &new).ok();
     let film = made.json()["summary"]["films"][0]["film"].as_i64().expect("a number");
-    let begun = browser.post(&format!("/api/films/{film}/readings"), &json!({ "repeat": 1 }));
-    [film, begun.json()["reading"].as_i64().expect("a number")]
+    [film, begin(browser, film)]
 }
 
 #[test]

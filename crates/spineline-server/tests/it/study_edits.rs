@@ -7,7 +7,7 @@ use spineline_store::{Role, Store};
 
 use crate::browser::{Answer, App, Browser, by, name};
 use crate::demo::{app_with_demo, demo};
-use crate::films::{add_unread_study, demo_film, upload};
+use crate::films::{add_unread_study, begin, demo_film, upload, uploaded_film};
 
 fn edit(browser: &Browser<'_>, study: &str, revision: u64, edit: Value) -> Answer {
     let body = json!({ "expected_revision": revision, "edit": edit });
@@ -71,9 +71,7 @@ fn films_are_added_to_a_study_once_and_not_to_a_planned_one() {
     let browser = app.observer("Ann");
     demo(&browser);
     let film = |number: usize, posture: &str| {
-        let view = upload(&browser, demo_film(&app, number)).json();
-        json!({ "upload": view["upload"], "posture": posture, "patient_left": "image_left",
-            "scale": { "kind": "file" } })
+        uploaded_film(&upload(&browser, demo_film(&app, number)).json()["upload"], posture)
     };
     let new = json!({ "id": "S-1", "label": null, "films": [film(0, "erect")] });
     assert_eq!(browser.post("/api/studies", &new).status, StatusCode::OK);
@@ -84,8 +82,7 @@ fn films_are_added_to_a_study_once_and_not_to_a_planned_one() {
     let same = add(json!([film(0, "neutral")]));
     assert!(same.text().contains("are the same picture"), "{}", same.text());
     assert!(add(json!([])).text().contains("has no film"));
-    let added = add(json!([film(1, "left_bending"), film(2, "right_bending")]));
-    assert_eq!(added.status, StatusCode::OK, "{}", added.text());
+    let added = add(json!([film(1, "left_bending"), film(2, "right_bending")])).ok();
     let films = added.json()["summary"]["films"].as_array().expect("films").len();
     assert_eq!(films, 3);
 
@@ -116,8 +113,7 @@ fn the_side_of_the_patient_is_corrected_before_a_film_is_read_and_a_scale_is_ent
         |mm: f64| json!({ "kind": "stated", "column_mm": mm, "row_mm": mm, "plane": "patient" });
     assert_eq!(edit(1, stated(0.25)).json()["row_mm"], 0.25);
     assert_eq!(edit(2, stated(2000.0)).status, StatusCode::UNPROCESSABLE_ENTITY);
-    let begun = browser.post(&format!("/api/films/{number}/readings"), &json!({ "repeat": 1 }));
-    assert_eq!(begun.status, StatusCode::OK);
+    begin(&browser, number);
     let refused = edit(2, side);
     assert_eq!((refused.status, refused.code().as_str()), (StatusCode::CONFLICT, "has_reading"));
     assert_eq!(edit(2, stated(0.2)).json()["row_mm"], 0.2, "a scale holds for all readings");

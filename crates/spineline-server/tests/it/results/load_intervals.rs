@@ -10,7 +10,7 @@ use spineline_files::{
 use spineline_store::Access;
 
 use super::server::{READER, add_read_study, phantom};
-use crate::browser::{App, Browser, options};
+use crate::browser::{App, Browser, changed_options, options};
 
 const LOADS: &str = "/api/studies/S1/loads/inflection_line";
 const PATH: &str = "/api/studies/S1/loads/inflection_line/intervals";
@@ -78,10 +78,7 @@ fn intervals_are_computed_for_the_loads_that_were_sent_and_saved_with_no_others(
     saved_with_the_intervals_of_the_command_line(&lead, &file);
     assert_eq!(lead.get(PATH).json(), done);
     assert_eq!(lead.get(of_other_line).json()["state"], "none");
-    let change = json!({
-        "expected_revision": 0, "reset": false,
-        "options": [{ "name": "support", "value": "free" }]
-    });
+    let change = changed_options(0, &[("support", "free")]);
     assert_eq!(lead.put("/api/studies/S1/options", &change).status, StatusCode::OK);
     assert_eq!(lead.get(PATH).json()["state"], "none");
 }

@@ -10,16 +10,11 @@ use spineline_files::method_text::set_option;
 use spineline_phantom::{Readers, Scenario, generate};
 
 use super::server::{Running, add_read_study, name, phantom, serve};
-use crate::browser::App;
+use crate::browser::{App, changed_options};
 
 const OPTIONS: &str = "/api/studies/S1/options";
 /// JSON keeps doubles exactly; only the order of sums differs.
 const SAME_MM: f64 = 1e-9;
-
-fn change(revision: u64, options: &[(&str, &str)]) -> Value {
-    let options = options.iter().map(|(name, value)| json!({ "name": name, "value": value }));
-    json!({ "expected_revision": revision, "reset": false, "options": options.collect::<Vec<_>>() })
-}
 
 fn put(running: &Running, body: &Value) -> (u16, Value) {
     running.ask("PUT", OPTIONS, Some(body))
@@ -55,7 +50,7 @@ fn results_are_those_of_the_library_with_the_options_until_they_are_reset() {
     let default_mm = error_mm(&running);
 
     let chosen = [("support", "free"), ("multipliers", "per-joint"), ("inflections", "L1/T12,T6")];
-    let (status, after) = put(&running, &change(0, &chosen));
+    let (status, after) = put(&running, &changed_options(0, &chosen));
     assert_eq!((status, &after["revision"]), (200, &json!(1)), "{after}");
     let mut options = AnalysisOptions::default();
     chosen
@@ -100,13 +95,14 @@ fn a_wrong_value_changes_nothing_and_an_impossible_one_is_a_refusal_of_the_resul
         ("inflections", "T6,L1", "the caudal site comes first"),
         ("rotation_prior", "/etc/passwd", "expected a file of"),
     ] {
-        let (status, refused) = put(&running, &change(0, &[(name, value)]));
+        let (status, refused) = put(&running, &changed_options(0, &[(name, value)]));
         let message = refused["message"].as_str().unwrap_or_default();
         assert!(status == 422 && message.contains(word), "{refused}");
     }
     assert_eq!(running.get(OPTIONS)["revision"], 0);
 
-    let (status, view) = put(&running, &change(0, &[("gauge", "known-force:traction=120")]));
+    let (status, view) =
+        put(&running, &changed_options(0, &[("gauge", "known-force:traction=120")]));
     assert_eq!(status, 200, "{view}");
     let (status, refused) = running.ask("GET", "/api/studies/S1/model", None);
     assert_eq!(status, 422);
@@ -114,9 +110,9 @@ fn a_wrong_value_changes_nothing_and_an_impossible_one_is_a_refusal_of_the_resul
     let findings = running.get("/api/studies/S1/findings");
     assert_eq!((&findings["status"], &findings["study"]), (&json!("refused"), &Value::Null));
     assert_eq!(findings["options_text"], "Scale constraint (gauge): known-force:traction=120");
-    let stale = put(&running, &change(0, &[("gauge", "")]));
+    let stale = put(&running, &changed_options(0, &[("gauge", "")]));
     assert_eq!((stale.0, &stale.1["code"]), (409, &json!("conflict")));
-    let (status, view) = put(&running, &change(1, &[("gauge", "")]));
+    let (status, view) = put(&running, &changed_options(1, &[("gauge", "")]));
     assert_eq!((status, &view["changed_text"]), (200, &Value::Null));
     assert_eq!(running.ask("GET", "/api/studies/S1/model", None).0, 200);
 }
@@ -154,7 +150,7 @@ fn a_file_and_lines_of_ones_own_are_kept_used_and_named() {
     assert_eq!(model["lines"][3]["kind"], "given_line");
 
     // The name of the file stays with its text.
-    let (status, again) = put(&running, &change(1, &[("support", "free")]));
+    let (status, again) = put(&running, &changed_options(1, &[("support", "free")]));
     assert_eq!((status, &option(&again, "stiffness")["value"]), (200, &json!(shown)), "{again}");
     for (name, value) in [("stiffness", "{}"), ("rotation_prior", "{}"), ("support", "free")] {
         let body = json!({
@@ -168,8 +164,10 @@ fn a_file_and_lines_of_ones_own_are_kept_used_and_named() {
 #[test]
 fn the_papers_method_is_one_option_that_others_replace() {
     let running = serve(|store| add_read_study(store, "S1", &phantom().case));
-    let (status, view) =
-        put(&running, &change(0, &[("support", "frontal"), ("method", "paper"), ("fit", "shape")]));
+    let (status, view) = put(
+        &running,
+        &changed_options(0, &[("support", "frontal"), ("method", "paper"), ("fit", "shape")]),
+    );
     assert_eq!(status, 200, "{view}");
     assert_eq!(view["changed_text"], "Method: paper; Support: frontal; Fitted to: shape");
     let [support, tilt] = ["support", "tilt"].map(|name| option(&view, name));
@@ -183,7 +181,7 @@ fn the_papers_method_is_one_option_that_others_replace() {
     let expected = analyze(&phantom().case, &options).expect("a phantom");
     let expected_mm = expected.models[0].mean_location_error_mm(true).expect("fitted films");
     assert!((error_mm(&running) - expected_mm).abs() < SAME_MM);
-    let (status, view) = put(&running, &change(1, &[("method", "default")]));
+    let (status, view) = put(&running, &changed_options(1, &[("method", "default")]));
     assert_eq!((status, &view["changed_text"]), (200, &Value::Null), "{view}");
 }
 
@@ -191,7 +189,7 @@ fn the_papers_method_is_one_option_that_others_replace() {
 fn only_editors_change_options() {
     let app = App::with_accounts();
     let path = "/api/studies/S-1/options";
-    let body = change(0, &[("support", "free")]);
+    let body = changed_options(0, &[("support", "free")]);
     let reader = app.account("reader");
     assert_eq!(reader.get(path).json()["may_change"], false);
     assert_eq!(reader.put(path, &body).status, StatusCode::FORBIDDEN);
