@@ -14,9 +14,9 @@ fn px(value: &Value) -> [f64; 2] {
     serde_json::from_value(value.clone()).expect("a place")
 }
 
-/// A reading of the erect film by the signed-in user, of all vertebrae up to a level.
-fn begun(store: &mut Store, case: &Case, study: &str, count: usize) -> ReadingId {
-    let films = store.films(&name(study)).expect("films");
+/// A reading of the erect film of `S1` by the signed-in user, of all vertebrae up to a level.
+fn begun(store: &mut Store, case: &Case, count: usize) -> ReadingId {
+    let films = store.films(&name("S1")).expect("films");
     let film = films.iter().find(|film| film.view == Posture::Erect.into()).expect("erect");
     let by = by(READER);
     let reading = store.begin_reading(film.id, 9, &by).expect("a new reading");
@@ -36,13 +36,18 @@ fn serve_reading(fill: impl FnOnce(&mut Store) -> ReadingId) -> (Running, String
     (running, format!("/api/readings/{}", reading.expect("begun").0))
 }
 
+/// A server with the films of a case, and the address of a reading of its erect film up to a level.
+fn serve_begun(case: &Case, count: usize) -> (Running, String) {
+    serve_reading(|store| {
+        add_study(store, "S1", case);
+        begun(store, case, count)
+    })
+}
+
 #[test]
 fn an_incomplete_reading_is_partial_and_names_missing_vertebrae() {
     let case = phantom().case;
-    let (running, reading) = serve_reading(|store| {
-        add_study(store, "S1", &case);
-        begun(store, &case, "S1", 10)
-    });
+    let (running, reading) = serve_begun(&case, 10);
     let live = running.get(&format!("{reading}/live"));
     assert_eq!(live["status"], "partial");
     assert_eq!(live["status_text"], "10 of 15 vertebrae; T6, T5, T4, T3 and T2 are missing");
@@ -52,10 +57,7 @@ fn an_incomplete_reading_is_partial_and_names_missing_vertebrae() {
 #[test]
 fn a_reading_that_ends_at_t6_has_live_angles_a_curve_and_cobb_lines() {
     let case = phantom().case;
-    let (running, reading) = serve_reading(|store| {
-        add_study(store, "S1", &case);
-        begun(store, &case, "S1", 11)
-    });
+    let (running, reading) = serve_begun(&case, 11);
     let live = running.get(&format!("{reading}/live"));
     assert_eq!(live["status"], "partial");
     assert_eq!(live["status_text"], "11 of 15 vertebrae; T5, T4, T3 and T2 are missing");
@@ -76,7 +78,7 @@ fn a_complete_reading_gives_an_overlay_and_study_results() {
     let case = phantom().case;
     let (running, reading) = serve_reading(|store| {
         add_read_study(store, "S1", &case);
-        begun(store, &case, "S1", 15)
+        begun(store, &case, 15)
     });
     let live = running.get(&format!("{reading}/live"));
     assert_numbers(&live, "live");
@@ -219,7 +221,7 @@ fn swapped_sides_are_refused_with_a_reason() {
     }
     let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &wrong);
-        begun(store, &case, "S1", 4)
+        begun(store, &case, 4)
     });
     let live = running.get(&format!("{reading}/live"));
     assert_eq!(live["status"], "refused");
@@ -271,10 +273,7 @@ fn blinded_readers_see_no_results() {
 #[test]
 fn a_preview_gives_results_and_records_no_event() {
     let case = phantom().case;
-    let (running, reading) = serve_reading(|store| {
-        add_study(store, "S1", &case);
-        begun(store, &case, "S1", 15)
-    });
+    let (running, reading) = serve_begun(&case, 15);
     let before = running.get(&format!("{reading}/live"));
     let (_, landmarks) = reading_of(&case, Posture::Erect);
     let corner = landmarks.vertebrae[&Level::T8].corners.superior_left;
@@ -304,10 +303,7 @@ fn a_preview_gives_results_and_records_no_event() {
 #[test]
 fn recorded_events_are_answered_with_their_results() {
     let case = phantom().case;
-    let (running, reading) = serve_reading(|store| {
-        add_study(store, "S1", &case);
-        begun(store, &case, "S1", 15)
-    });
+    let (running, reading) = serve_begun(&case, 15);
     let revision = running.get(&reading)["revision"].as_u64().expect("a number");
     let before = running.get(&format!("{reading}/live"));
     let (_, landmarks) = reading_of(&case, Posture::Erect);
@@ -338,7 +334,7 @@ fn notices_of(count: usize, change: impl Fn(&mut Case), fill: impl Fn(&mut Store
     let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
         fill(store);
-        begun(store, &odd, "S1", count)
+        begun(store, &odd, count)
     });
     let live = running.get(&format!("{reading}/live"));
     let notices = live["notices"].as_array().expect("a list").iter();
