@@ -13,7 +13,7 @@ fn limit_pages(store: &Store, pages: i64) {
 
 #[test]
 fn a_full_disk_loses_no_acknowledged_change_and_work_continues_with_room() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = session::folder();
     let reference = session::reference(&folder.path().join("reference"));
     let first = session::create(&folder.path().join("first"));
     let smallest = schema::number(&first.connection, "page_count").expect("a number");
@@ -80,7 +80,7 @@ fn actions(store: &Store) -> Vec<String> {
 
 #[test]
 fn a_full_disk_lets_people_sign_in_export_and_sign_out() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = session::folder();
     let mut store = full_store(folder.path());
     sign_in(&mut store, "browser");
     assert!(!store.unsaved.begun.is_empty(), "the disk is full");
@@ -115,7 +115,7 @@ fn a_full_disk_lets_people_sign_in_export_and_sign_out() {
 
 #[test]
 fn a_new_password_ends_sessions_that_are_not_on_the_disk() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = session::folder();
     let mut store = full_store(folder.path());
     sign_in(&mut store, "thief");
     // Another program, which finds room.

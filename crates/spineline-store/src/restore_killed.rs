@@ -37,11 +37,10 @@ fn killed_at(step: usize, folder: &Path) -> bool {
 
 /// A store with acknowledged changes in its log, and an earlier backup.
 fn prepare(folder: &Path) -> [String; 2] {
-    let mut store = session::create(&folder.join("source"));
-    (0..8).for_each(|step| session::run(&mut store, step).expect("a step"));
+    let mut store = session::after(&folder.join("source"), 8);
     assert!(store.backup_to(&folder.join("backup")).expect("a backup").is_clean());
     let earlier = session::fingerprint(&store);
-    (8..session::STEPS).for_each(|step| session::run(&mut store, step).expect("a step"));
+    session::take(&mut store, 8..session::STEPS);
     for end in ["", "-wal", "-head"] {
         let from = folder.join(format!("source{end}"));
         fs::copy(from, folder.join(format!("store{end}"))).expect("a copy");
@@ -61,7 +60,7 @@ fn kept(folder: &Path) -> Vec<PathBuf> {
 fn a_restoration_killed_at_any_step_leaves_the_earlier_store_or_the_restored_one() {
     let mut steps = 0;
     loop {
-        let folder = tempfile::tempdir().expect("a folder");
+        let folder = session::folder();
         let states = prepare(folder.path());
         let path = folder.path().join("store");
         let went_through = killed_at(steps, folder.path());
@@ -98,7 +97,7 @@ fn a_restoration_killed_at_any_step_leaves_the_earlier_store_or_the_restored_one
 fn a_store_beside_another_log_is_restored_at_any_kill_and_the_log_is_kept() {
     let mut steps = 0;
     loop {
-        let folder = tempfile::tempdir().expect("a folder");
+        let folder = session::folder();
         let at = |name: &str| folder.path().join(name);
         let [_, earlier] = prepare(folder.path());
         fs::copy(at("backup"), at("store")).expect("the usual advice");
@@ -120,9 +119,8 @@ fn a_store_beside_another_log_is_restored_at_any_kill_and_the_log_is_kept() {
 
 #[test]
 fn a_store_in_use_another_file_and_a_damaged_backup_change_nothing() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, store) = session::new_store();
     let at = |name: &str| folder.path().join(name);
-    let store = session::create(&at("store"));
     assert!(store.backup_to(&at("backup")).expect("a backup").is_clean());
     let refused = Store::restore(&at("backup"), &at("store"));
     assert!(matches!(refused, Err(StoreError::Held)), "{refused:?}");
@@ -145,7 +143,7 @@ fn a_store_in_use_another_file_and_a_damaged_backup_change_nothing() {
 
 #[test]
 fn a_missing_a_damaged_and_an_empty_store_are_restored() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = session::folder();
     let at = |name: &str| folder.path().join(name);
     let mut store = session::create(&at("source"));
     let study = Study::new(session::name("S-9"), None, true);
@@ -170,9 +168,8 @@ fn a_missing_a_damaged_and_an_empty_store_are_restored() {
 
 #[test]
 fn what_a_killed_backup_leaves_does_not_block_the_next_one() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, store) = session::new_store();
     let at = |name: &str| folder.path().join(name);
-    let store = session::create(&at("store"));
     let whole = fs::read(at("store")).expect("bytes");
     for (number, left) in [&b""[..], b"half", &whole].into_iter().enumerate() {
         let (copy, part) = (at(&format!("copy-{number}")), at(&format!("copy-{number}.part")));

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use spineline_store::{Account, Finding, Name, PasswordHash, Role, Store, StoreError};
 
-use crate::session::{STEPS, by, create, name, run, try_fingerprint};
+use crate::session::{STEPS, after, by, folder, name, store_after, try_fingerprint};
 
 #[test]
 fn a_changed_byte_in_any_page_is_reported_or_harmless() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
     let store = full_store(&path);
     let sound = try_fingerprint(&store).expect("readable");
@@ -64,10 +64,7 @@ fn a_changed_byte_in_any_page_is_reported_or_harmless() {
 
 /// A store without nearly empty tables, so that most of its bytes are used.
 fn full_store(path: &Path) -> Store {
-    let mut store = create(path);
-    for step in 0..STEPS {
-        run(&mut store, step).expect("a step");
-    }
+    let mut store = after(path, STEPS);
     let password = PasswordHash::new("a sentence that all share", &account(0)).expect("a password");
     for number in 0..ACCOUNTS {
         let account = Account { name: account(number), role: Role::Reader, enabled: true };
@@ -86,13 +83,9 @@ fn account(number: usize) -> Name {
 
 #[test]
 fn a_truncated_store_is_refused_or_reported_as_damaged() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    let mut store = create(&path);
-    for step in 0..STEPS {
-        run(&mut store, step).expect("a step");
-    }
-    drop(store);
+    drop(after(&path, STEPS));
     let bytes = fs::read(&path).expect("a file");
     for length in (1..bytes.len()).step_by(4096 + 512) {
         fs::write(&path, &bytes[..length]).expect("a file");
@@ -108,10 +101,8 @@ fn a_truncated_store_is_refused_or_reported_as_damaged() {
 
 #[test]
 fn a_film_with_changed_bytes_is_not_returned() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, store) = store_after(3);
     let path = folder.path().join("store");
-    let mut store = create(&path);
-    (0..3).for_each(|step| run(&mut store, step).expect("a step"));
     let content = store.films(&crate::session::name("S-1")).expect("films")[0].content.clone();
     drop(store);
     rusqlite::Connection::open(&path)

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use spineline_store::Store;
 
-use crate::session::{self, STEPS, create, fingerprint, reference};
+use crate::session::{self, STEPS, create, fingerprint, folder, reference};
 
 const STORE: &str = "SPINELINE_TEST_SESSION_STORE";
 const MAX_FILE: &str = "SPINELINE_TEST_LARGEST_FILE_BYTES";
@@ -77,7 +77,7 @@ fn steps_kept(path: &Path, reference: &[String], acknowledged: usize, what: &str
 
 #[test]
 fn a_kill_after_any_acknowledgement_keeps_exactly_the_acknowledged_changes() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let reference = reference(&folder.path().join("reference"));
     for steps in 0..=STEPS {
         let path = folder.path().join(format!("store-{steps}"));
@@ -96,7 +96,7 @@ fn a_kill_after_any_acknowledgement_keeps_exactly_the_acknowledged_changes() {
 
 #[test]
 fn a_kill_during_a_write_loses_unacknowledged_changes_only() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let reference = reference(&folder.path().join("reference"));
     let mut in_flight = 0;
     for steps in 0..STEPS {
@@ -126,7 +126,7 @@ fn a_kill_during_a_write_loses_unacknowledged_changes_only() {
 fn a_crash_at_any_byte_of_the_write_ahead_log_keeps_acknowledged_changes() {
     use std::os::unix::process::ExitStatusExt;
     const KILLED_BY_SIZE: i32 = 25;
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let reference = reference(&folder.path().join("reference"));
     let mut stopped_at = std::collections::BTreeSet::new();
     // The index beside the log has 32 KiB; whoever may write less cannot start.
@@ -150,7 +150,7 @@ fn a_crash_at_any_byte_of_the_write_ahead_log_keeps_acknowledged_changes() {
 
 #[test]
 fn a_truncated_write_ahead_log_gives_an_acknowledged_state() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let reference = reference(&folder.path().join("reference"));
     let path = folder.path().join("store");
     drop(create(&path));

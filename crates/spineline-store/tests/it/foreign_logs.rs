@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::Connection;
 use spineline_store::{Finding, Store, StoreError, Study};
 
-use crate::session::{STEPS, by, create, fingerprint, name, run};
+use crate::session::{STEPS, after, by, create, fingerprint, folder, name, run, take};
 
 fn beside(path: &Path, end: &str) -> PathBuf {
     PathBuf::from(format!("{}{end}", path.display()))
@@ -17,10 +17,6 @@ fn killed(store: &Path, copy: &Path) {
     for end in ["", "-wal", "-head"] {
         fs::copy(beside(store, end), beside(copy, end)).expect("a copy");
     }
-}
-
-fn taken(store: &mut Store, steps: std::ops::Range<usize>) {
-    steps.for_each(|step| run(store, step).expect("a step"));
 }
 
 /// Every way to open it refuses and changes neither the file nor what lies beside it.
@@ -44,13 +40,12 @@ fn assert_refused(path: &Path, end: &str) {
 
 #[test]
 fn a_log_of_another_store_destroys_nothing() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let mut other = Store::create(&at("other"), &by("lead", 1)).expect("another store");
     let study = |number: usize| Study::new(name(&format!("T-{number}")), None, true);
     for steps in [0, 1, 4, STEPS] {
-        let mut store = create(&at("store"));
-        taken(&mut store, 0..steps);
+        let store = after(&at("store"), steps);
         let sound = fingerprint(&store);
         drop(store);
         for number in 0..3 {
@@ -68,15 +63,14 @@ fn a_log_of_another_store_destroys_nothing() {
 
 #[test]
 fn a_backup_in_the_place_of_a_killed_store_does_not_become_the_newer_store() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
     for begun in [1, 5, 8, 20] {
-        let mut store = create(&at("store"));
-        taken(&mut store, 0..begun);
+        let mut store = after(&at("store"), begun);
         assert!(store.backup_to(&at("backup")).expect("a backup").is_clean());
         let in_backup = fingerprint(&store);
         for step in begun..STEPS {
-            taken(&mut store, step..step + 1);
+            take(&mut store, step..step + 1);
             killed(&at("store"), &at("killed"));
             fs::copy(at("backup"), at("killed")).expect("the usual advice");
             assert_refused(&at("killed"), "-wal");
@@ -95,17 +89,15 @@ fn a_backup_in_the_place_of_a_killed_store_does_not_become_the_newer_store() {
 
 #[test]
 fn an_earlier_copy_in_the_place_of_a_killed_store_does_not_become_the_newer_store() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let mut store = create(&at("store"));
-    taken(&mut store, 0..6);
-    drop(store);
+    drop(after(&at("store"), 6));
     fs::copy(at("store"), at("copy")).expect("a copy of a closed store");
     let mut store = Store::open(&at("store")).expect("a store");
-    taken(&mut store, 6..8);
+    take(&mut store, 6..8);
     drop(store);
     let mut store = Store::open(&at("store")).expect("a store");
-    taken(&mut store, 8..20);
+    take(&mut store, 8..20);
     killed(&at("store"), &at("killed"));
     fs::copy(at("copy"), at("killed")).expect("a copy");
     assert_refused(&at("killed"), "-wal");
@@ -113,12 +105,11 @@ fn an_earlier_copy_in_the_place_of_a_killed_store_does_not_become_the_newer_stor
 
 #[test]
 fn a_damaged_log_is_kept_unless_only_its_last_change_is_unreadable() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let mut store = create(&at("store"));
-    taken(&mut store, 0..STEPS - 1);
+    let mut store = after(&at("store"), STEPS - 1);
     let before_last = fingerprint(&store);
-    taken(&mut store, STEPS - 1..STEPS);
+    take(&mut store, STEPS - 1..STEPS);
     killed(&at("store"), &at("killed"));
     let (main, log) =
         (fs::read(at("killed")).expect("bytes"), fs::read(at("killed-wal")).expect("bytes"));
@@ -153,7 +144,7 @@ fn a_damaged_log_is_kept_unless_only_its_last_change_is_unreadable() {
 
 #[test]
 fn a_journal_of_another_program_is_not_written_into_the_store() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let other = Connection::open(at("other")).expect("a database");
     other
@@ -169,10 +160,9 @@ fn a_journal_of_another_program_is_not_written_into_the_store() {
 
 #[test]
 fn a_new_store_does_not_destroy_the_log_of_one_that_is_missing() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let mut store = create(&at("store"));
-    taken(&mut store, 0..10);
+    let store = after(&at("store"), 10);
     killed(&at("store"), &at("killed"));
     let log = fs::read(at("killed-wal")).expect("a log");
     for content in [None, Some("")] {
@@ -195,11 +185,9 @@ fn a_new_store_does_not_destroy_the_log_of_one_that_is_missing() {
 
 #[test]
 fn a_damaged_store_is_called_damaged() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    let mut store = create(&path);
-    taken(&mut store, 0..STEPS);
-    drop(store);
+    drop(after(&path, STEPS));
     let sound = fs::read(&path).expect("bytes");
     let parts = [(0, 16), (0, 100), (16, 24), (68, 72), (100, 4096), (0, 4096), (0, sound.len())];
     for (from, to) in parts {
@@ -215,10 +203,9 @@ fn a_damaged_store_is_called_damaged() {
 
 #[test]
 fn a_store_that_two_versions_were_mixed_into_is_not_opened_for_writing() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let mut store = create(&at("store"));
-    taken(&mut store, 0..STEPS);
+    let mut store = after(&at("store"), STEPS);
     assert!(store.backup_to(&at("backup")).expect("a backup").is_clean());
     for number in 0..400 {
         let study = Study::new(name(&format!("T-{number}")), None, true);
@@ -240,10 +227,9 @@ fn a_store_that_two_versions_were_mixed_into_is_not_opened_for_writing() {
 
 #[test]
 fn a_lost_log_is_missed_and_the_audit_log_says_so() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let mut store = create(&at("store"));
-    taken(&mut store, 0..STEPS);
+    let store = after(&at("store"), STEPS);
     let acknowledged = store.head().expect("a head").entries;
     killed(&at("store"), &at("killed"));
     fs::remove_file(at("killed-wal")).expect("removed");
@@ -266,7 +252,7 @@ fn a_lost_log_is_missed_and_the_audit_log_says_so() {
 
 #[test]
 fn after_seconds_of_rest_the_main_file_alone_holds_every_change() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let mut store = create(&at("store"));
     let alone = |store: &Store| {
@@ -275,13 +261,13 @@ fn after_seconds_of_rest_the_main_file_alone_holds_every_change() {
         let _ = fs::remove_file(at("copy-head"));
         fingerprint(&Store::view(&copy).expect("a store")) == fingerprint(store)
     };
-    taken(&mut store, 0..12);
+    take(&mut store, 0..12);
     assert!(!alone(&store));
     store.rest().expect("a first look");
     assert!(!alone(&store), "it is in use");
     store.rest().expect("a checkpoint");
     assert!(alone(&store));
-    taken(&mut store, 12..STEPS);
+    take(&mut store, 12..STEPS);
     store.rest().expect("a look");
     store.rest().expect("a checkpoint");
     assert!(alone(&store));

@@ -6,13 +6,7 @@ use rusqlite::Connection;
 use sha2::{Digest, Sha256};
 use spineline_store::{Finding, Hash, Store, StoreError, Thumbnails};
 
-use crate::session::{STEPS, create, name, run};
-
-fn full_session(path: &Path) -> Store {
-    let mut store = create(path);
-    (0..STEPS).for_each(|step| run(&mut store, step).expect("a step"));
-    store
-}
+use crate::session::{STEPS, after, create, folder, name, new_store, run, store_after, take};
 
 /// Edits tables like an attacker: removes the triggers and restores them.
 fn attack(path: &Path, sql: &str) {
@@ -34,17 +28,16 @@ fn attack(path: &Path, sql: &str) {
 }
 
 fn findings_after(sql: &str) -> Vec<Finding> {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    drop(full_session(&path));
+    drop(after(&path, STEPS));
     attack(&path, sql);
     Store::view(&path).expect("a store").verify(None).expect("verifiable").findings
 }
 
 #[test]
 fn an_undamaged_store_has_no_findings_and_one_entry_per_change() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let store = full_session(&folder.path().join("store"));
+    let (_folder, store) = store_after(STEPS);
     assert_eq!(findings_after("SELECT 1"), []);
     let log = store.audit_log().expect("a log");
     // One for the creation, one per step, two for the bytes of films, one for the clock that went back.
@@ -55,10 +48,9 @@ fn an_undamaged_store_has_no_findings_and_one_entry_per_change() {
 
 #[test]
 fn a_click_changes_a_study_but_not_its_results() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = create(&folder.path().join("store"));
+    let (_folder, mut store) = new_store();
     let study = name("S-1");
-    (0..2).for_each(|step| run(&mut store, step).expect("a step"));
+    take(&mut store, 0..2);
     for step in 2..STEPS {
         let before = (store.last_change(&study), store.last_result_change(&study));
         run(&mut store, step).expect("a step");
@@ -75,9 +67,8 @@ fn a_click_changes_a_study_but_not_its_results() {
 
 #[test]
 fn thumbnails_are_stored_for_known_films_outside_of_the_log() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, mut store) = store_after(STEPS);
     let path = folder.path().join("store");
-    let mut store = full_session(&path);
     let content = store.films(&name("S-1")).expect("films")[0].content.clone();
     let head = store.head().expect("a head");
     assert_eq!(store.thumbnails(&content).expect("none"), None);
@@ -94,8 +85,7 @@ fn thumbnails_are_stored_for_known_films_outside_of_the_log() {
 
 #[test]
 fn the_hash_chain_follows_its_description() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let store = full_session(&folder.path().join("store"));
+    let (_folder, store) = store_after(STEPS);
     let mut previous = String::new();
     for entry in store.audit_log().expect("a log") {
         let json = format!(
@@ -110,9 +100,9 @@ fn the_hash_chain_follows_its_description() {
 
 #[test]
 fn the_database_refuses_edits_of_append_only_tables() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    drop(full_session(&path));
+    drop(after(&path, STEPS));
     let raw = Connection::open(&path).expect("a database");
     for sql in [
         "UPDATE events SET event = '{}'",
@@ -187,9 +177,9 @@ fn edited_removed_and_inserted_rows_are_detected_in_every_table() {
 
 #[test]
 fn a_missing_trigger_is_detected() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    drop(full_session(&path));
+    drop(after(&path, STEPS));
     let raw = Connection::open(&path).expect("a database");
     raw.execute_batch("DROP TRIGGER events_are_never_edited").expect("a drop");
     drop(raw);
@@ -200,9 +190,9 @@ fn a_missing_trigger_is_detected() {
 
 #[test]
 fn a_rewritten_log_is_detected_only_with_an_external_head() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let (path, other) = (folder.path().join("store"), folder.path().join("other"));
-    let mut store = full_session(&path);
+    let mut store = after(&path, STEPS);
     let kept = store.head().expect("a head");
     assert!(store.verify(Some(&kept)).expect("verifiable").is_clean());
     // The log may grow.
@@ -211,7 +201,7 @@ fn a_rewritten_log_is_detected_only_with_an_external_head() {
     assert!(store.verify(Some(&kept)).expect("verifiable").is_clean());
     // Another valid log.
     let mut forged = create(&other);
-    (0..STEPS - 1).for_each(|step| run(&mut forged, step).expect("a step"));
+    take(&mut forged, 0..STEPS - 1);
     assert!(forged.verify(None).expect("verifiable").is_clean());
     let found = forged.verify(Some(&kept)).expect("verifiable").findings;
     assert_eq!(found, [Finding::Rewritten]);

@@ -7,23 +7,13 @@ use spineline_store::{
 };
 
 use crate::session::{
-    FILM, READING, STEPS, by, clicks, create, film_bytes, fingerprint, image, name, place, run,
+    FILM, READING, STEPS, by, clicks, film_bytes, fingerprint, image, name, place, store_after,
 };
-
-fn at_step(folder: &tempfile::TempDir, steps: usize) -> Store {
-    let mut store = create(&folder.path().join("store"));
-    (0..steps).for_each(|step| run(&mut store, step).expect("a step"));
-    store
-}
-
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir().expect("a folder")
-}
 
 #[test]
 fn every_click_is_in_the_state_after_a_reload() {
-    let folder = folder();
-    drop(at_step(&folder, STEPS));
+    let (folder, store) = store_after(STEPS);
+    drop(store);
     let store = Store::open(&folder.path().join("store")).expect("a store");
     let state = store.reading_state(READING).expect("a state");
     assert_eq!((state.revision, state.finished), (clicks().len() as u64, true));
@@ -44,9 +34,8 @@ fn every_click_is_in_the_state_after_a_reload() {
 
 #[test]
 fn undo_and_redo_cover_every_edit_and_survive_a_reload() {
-    let folder = folder();
+    let (folder, mut store) = store_after(5);
     let path = folder.path().join("store");
-    let mut store = at_step(&folder, 5);
     let mut states = vec![store.reading_state(READING).expect("a state").vertebrae];
     let corners = &clicks()[..12];
     let mut revision = 0;
@@ -74,8 +63,7 @@ fn undo_and_redo_cover_every_edit_and_survive_a_reload() {
 
 #[test]
 fn a_stale_click_is_refused_and_kept() {
-    let folder = folder();
-    let mut store = at_step(&folder, 5);
+    let (folder, mut store) = store_after(5);
     let mut tab = Store::open(&folder.path().join("store")).expect("the same store");
     let (first, second) = (
         place(Level::L4, Corner::SuperiorLeft, 1.0, 2.0),
@@ -99,8 +87,7 @@ fn a_stale_click_is_refused_and_kept() {
 
 #[test]
 fn a_stale_edit_of_a_film_is_refused_and_kept() {
-    let folder = folder();
-    let mut store = at_step(&folder, 4);
+    let (_folder, mut store) = store_after(4);
     let edit = FilmEdit::Posture(Posture::RightBending);
     let lost = store.edit_film(FILM, edit, 0, &by("other", 20));
     assert!(matches!(lost, Err(StoreError::Conflict { expected: 0, found: 1, .. })), "{lost:?}");
@@ -114,8 +101,7 @@ fn a_stale_edit_of_a_film_is_refused_and_kept() {
 
 #[test]
 fn a_film_is_checked_until_its_posture_changes() {
-    let folder = folder();
-    let mut store = at_step(&folder, 4);
+    let (_folder, mut store) = store_after(4);
     let mut edit = |revision, edit| {
         store.edit_film(FILM, edit, revision, &by("lead", 20)).expect("an edit");
         let film = store.films(&name("S-1")).expect("films").remove(0);
@@ -131,8 +117,7 @@ fn a_film_is_checked_until_its_posture_changes() {
 
 #[test]
 fn a_finished_reading_is_immutable_and_an_open_one_belongs_to_its_observer() {
-    let folder = folder();
-    let mut store = at_step(&folder, STEPS);
+    let (_folder, mut store) = store_after(STEPS);
     let last = clicks().len() as u64;
     let before = fingerprint(&store);
     let refused = store.record(READING, &Event::Redo, last, &by("A", 90));
@@ -150,8 +135,7 @@ fn a_finished_reading_is_immutable_and_an_open_one_belongs_to_its_observer() {
 
 #[test]
 fn an_invalid_event_is_refused_with_its_reason_and_changes_no_state() {
-    let folder = folder();
-    let mut store = at_step(&folder, 5);
+    let (_folder, mut store) = store_after(5);
     let before = fingerprint(&store);
     let (level, corner) = (Level::L4, Corner::InferiorLeft);
     for event in [
@@ -177,8 +161,7 @@ fn an_invalid_event_is_refused_with_its_reason_and_changes_no_state() {
 
 #[test]
 fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
-    let folder = folder();
-    let mut store = at_step(&folder, 5 + 6);
+    let (_folder, mut store) = store_after(5 + 6);
     let refused = store.finish_reading(READING, 6, &by("A", 90));
     let level = Level::L3;
     assert!(
@@ -191,8 +174,7 @@ fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
 
 #[test]
 fn a_repeated_picture_is_reported_with_its_posture() {
-    let folder = folder();
-    let mut store = at_step(&folder, 3);
+    let (folder, mut store) = store_after(3);
     let again =
         store.add_film(&name("S-1"), Posture::Traction, &film_bytes(2), &image(), &by("lead", 9));
     assert!(
@@ -232,8 +214,7 @@ fn possible_patient_names_are_refused_without_quoting_them() {
 
 #[test]
 fn an_exported_case_round_trips_with_every_corner() {
-    let folder = folder();
-    let store = at_step(&folder, STEPS);
+    let (_folder, store) = store_after(STEPS);
     let exported = store.export_case(&name("S-1")).expect("a case");
     let expected = [
         ExportRemark::ScaleLeftOut { reading: READING },
@@ -260,8 +241,8 @@ fn an_exported_case_round_trips_with_every_corner() {
 
 #[test]
 fn a_store_saved_and_loaded_a_thousand_times_exports_the_same_bytes() {
-    let folder = folder();
-    drop(at_step(&folder, STEPS));
+    let (folder, store) = store_after(STEPS);
+    drop(store);
     let path = folder.path().join("store");
     let first = Store::open(&path).and_then(|s| s.export_case(&name("S-1"))).expect("a case");
     for round in 0..1_000 {
@@ -279,8 +260,7 @@ fn a_store_saved_and_loaded_a_thousand_times_exports_the_same_bytes() {
 
 #[test]
 fn a_clock_that_jumps_back_is_recorded_and_order_is_kept() {
-    let folder = folder();
-    let mut store = at_step(&folder, 5);
+    let (_folder, mut store) = store_after(5);
     let corners = &clicks()[..3];
     for (revision, (event, minutes)) in (0..).zip(corners.iter().zip([10, -100_000, 11])) {
         store.record(READING, event, revision, &by("A", minutes)).expect("an event");
@@ -297,8 +277,7 @@ fn a_clock_that_jumps_back_is_recorded_and_order_is_kept() {
 
 #[test]
 fn all_levels_are_shifted_by_one_change_that_can_be_undone() {
-    let folder = folder();
-    let mut store = at_step(&folder, 5);
+    let (_folder, mut store) = store_after(5);
     let by = by("A", 60);
     store.record_all(READING, &clicks()[..12], 0, &by).expect("corners");
     let before = store.reading_state(READING).expect("a state").vertebrae;

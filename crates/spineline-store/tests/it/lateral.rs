@@ -5,8 +5,9 @@ use spineline::anatomy::{FilmView, Level, Posture, Side};
 use spineline_store::{
     CaseReadings, CaseRemark, Corner, Event, FilmEdit, FilmId, NewCase, Store, StoreError,
 };
+use tempfile::TempDir;
 
-use crate::session::{by, create, film_bytes, name, place};
+use crate::session::{by, film_bytes, name, new_store, place};
 
 /// A case of one vertebra, with pedicles on the erect film, and a lateral film that was exposed with it.
 fn case() -> Value {
@@ -32,17 +33,16 @@ fn read(case: &Value) -> NewCase {
 }
 
 /// A store with the case, and its lateral film.
-fn stored(folder: &tempfile::TempDir) -> (Store, FilmId) {
-    let mut store = create(&folder.path().join("store"));
+fn stored() -> (TempDir, Store, FilmId) {
+    let (folder, mut store) = new_store();
     let added = store.add_case(&read(&case()), &by("lead", 1)).expect("a study");
     assert_eq!((added.readings, &added.remarks[..]), (2, &[][..]));
-    (store, added.films[1])
+    (folder, store, added.films[1])
 }
 
 #[test]
 fn a_case_with_a_lateral_film_and_pedicles_comes_back_whole() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (store, lateral) = stored(&folder);
+    let (_folder, store, lateral) = stored();
     let film = store.film(lateral).expect("a film");
     assert_eq!(
         (film.view, film.stated.simultaneous, film.inverted),
@@ -70,16 +70,14 @@ fn a_case_with_a_lateral_film_and_pedicles_comes_back_whole() {
 fn a_lateral_film_without_a_picture_stays_in_its_case_file() {
     let mut case = case();
     case["lateral"]["image"].as_object_mut().expect("an image").remove("file");
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = create(&folder.path().join("store"));
+    let (_folder, mut store) = new_store();
     let added = store.add_case(&read(&case), &by("lead", 1)).expect("a study");
     assert_eq!((added.films.len(), &added.remarks[..]), (1, &[CaseRemark::Lateral][..]));
 }
 
 #[test]
 fn each_view_takes_its_own_landmarks_and_undo_takes_them_back() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (mut store, lateral) = stored(&folder);
+    let (_folder, mut store, lateral) = stored();
     let frontal = FilmId(1);
     let by = by("B", 2);
     let level = Level::T9;

@@ -8,19 +8,14 @@ use std::time::{Duration, Instant};
 use rusqlite::Connection;
 use spineline_store::{Event, Store, StoreError};
 
-use crate::session::{READING, STEPS, by, clicks, create, fingerprint, name, run};
-
-fn five_steps(path: &Path) -> Store {
-    let mut store = create(path);
-    (0..5).for_each(|step| run(&mut store, step).expect("a step"));
-    store
-}
+use crate::session::{
+    READING, STEPS, after, by, clicks, fingerprint, folder, name, run, store_after, take,
+};
 
 #[test]
 fn a_store_written_by_another_program_is_busy_until_it_ends() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, mut store) = store_after(5);
     let path = folder.path().join("store");
-    let mut store = five_steps(&path);
     store.set_busy_timeout(Duration::from_millis(200)).expect("a time");
     let other = Connection::open(&path).expect("a database");
     other.execute_batch("BEGIN IMMEDIATE").expect("a lock");
@@ -38,9 +33,9 @@ fn a_store_written_by_another_program_is_busy_until_it_ends() {
 
 #[test]
 fn two_connections_that_alternate_lose_no_change() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    let mut stores = [five_steps(&path), Store::open(&path).expect("the same store")];
+    let mut stores = [after(&path, 5), Store::open(&path).expect("the same store")];
     for (revision, event) in (0_u64..).zip(&clicks()) {
         let store = &mut stores[revision as usize % 2];
         store.record(READING, event, revision, &by("A", 10)).expect("an event");
@@ -51,9 +46,9 @@ fn two_connections_that_alternate_lose_no_change() {
 
 #[test]
 fn of_concurrent_writers_one_succeeds_and_the_others_are_told() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    drop(five_steps(&path));
+    drop(after(&path, 5));
     let race = |thread: usize| {
         // Different events: a repeated one would be acknowledged again.
         let event = Event::Note { text: format!("thread {thread}") };
@@ -124,9 +119,9 @@ impl Drop for WriteProtection<'_> {
 
 #[test]
 fn a_read_only_file_is_reported_and_not_changed() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    drop(five_steps(&path));
+    drop(after(&path, 5));
     let before = fs::read(&path).expect("bytes");
     let Some(protection) = WriteProtection::put_on(&path) else { return };
     let refused = Store::open(&path).expect_err("read-only");
@@ -142,12 +137,12 @@ fn a_read_only_file_is_reported_and_not_changed() {
 
 #[test]
 fn a_read_only_folder_is_reported_and_a_backup_in_it_is_readable() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
     let closed = folder.path().join("closed");
     fs::create_dir(&closed).expect("a folder");
     let copy = closed.join("copy");
-    let store = five_steps(&path);
+    let store = after(&path, 5);
     assert!(store.backup_to(&copy).expect("a backup").is_clean());
     let expected = fingerprint(&store);
     let before = fs::read(&copy).expect("bytes");
@@ -172,9 +167,9 @@ fn a_read_only_folder_is_reported_and_a_backup_in_it_is_readable() {
 
 #[test]
 fn a_read_only_view_does_not_change_the_store() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
-    drop(five_steps(&path));
+    drop(after(&path, 5));
     let before = fs::read(&path).expect("bytes");
     let mut view = Store::view(&path).expect("readable");
     let refused = run(&mut view, 5);
@@ -185,7 +180,7 @@ fn a_read_only_view_does_not_change_the_store() {
 
 #[test]
 fn other_files_are_refused_and_not_changed() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("file");
     let other = Connection::open(folder.path().join("database")).expect("a database");
     other.execute_batch("CREATE TABLE a (b); PRAGMA application_id = 7").expect("a table");
@@ -213,19 +208,19 @@ fn other_files_are_refused_and_not_changed() {
 
 #[test]
 fn a_backup_equals_the_store_and_never_replaces_a_file() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let (path, copy) = (folder.path().join("store"), folder.path().join("copy"));
-    let mut store = five_steps(&path);
+    let mut store = after(&path, 5);
     let verification = store.backup_to(&copy).expect("a backup");
     assert!(verification.is_clean());
     assert_eq!(verification.head, Some(store.head().expect("a head")));
     let before = fs::read(&copy).expect("bytes");
     let refused = store.backup_to(&copy);
     assert!(matches!(refused, Err(StoreError::AlreadyExists { .. })), "{refused:?}");
-    (5..STEPS).for_each(|step| run(&mut store, step).expect("a step"));
+    take(&mut store, 5..STEPS);
     assert!(fs::read(&copy).expect("bytes") == before);
     // The copy takes the same steps to the same history.
     let mut restored = Store::open(&copy).expect("a store");
-    (5..STEPS).for_each(|step| run(&mut restored, step).expect("a step"));
+    take(&mut restored, 5..STEPS);
     assert_eq!(fingerprint(&restored), fingerprint(&store));
 }

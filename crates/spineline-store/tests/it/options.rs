@@ -3,7 +3,7 @@
 use spineline_files::method_text::{ChosenOption, ChosenOptions};
 use spineline_store::{CaseReadings, Finding, KeptComputation, Store, StoreError, StudyOptions};
 
-use crate::session::{by, create, name, run};
+use crate::session::{by, name, new_store, run, store_after};
 
 pub fn option(name: &str, value: &str) -> ChosenOption {
     ChosenOption::word(name, value)
@@ -15,10 +15,8 @@ fn chosen(options: &[ChosenOption]) -> ChosenOptions {
 
 #[test]
 fn options_are_kept_logged_and_reset_and_a_stale_change_is_kept_beside_them() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, mut store) = store_after(3);
     let path = folder.path().join("store");
-    let mut store = create(&path);
-    (0..3).for_each(|step| run(&mut store, step).expect("a step"));
     let (study, lead) = (name("S-1"), by("lead", 100));
     assert_eq!(store.study_options(&study).expect("a study"), StudyOptions::default());
     let free = chosen(&[option("support", "free")]);
@@ -50,9 +48,8 @@ fn options_are_kept_logged_and_reset_and_a_stale_change_is_kept_beside_them() {
 
 #[test]
 fn edited_options_are_damage_and_never_other_options() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, mut store) = new_store();
     let path = folder.path().join("store");
-    let mut store = create(&path);
     run(&mut store, 0).expect("a study");
     let study = name("S-1");
     let free = chosen(&[option("support", "free")]);
@@ -70,9 +67,8 @@ fn edited_options_are_damage_and_never_other_options() {
 
 #[test]
 fn a_kept_computation_is_that_of_its_inputs_only_and_damage_is_noticed() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (folder, mut store) = new_store();
     let path = folder.path().join("store");
-    let mut store = create(&path);
     run(&mut store, 0).expect("a study");
     let study = name("S-1");
     let head = store.head().expect("a head");

@@ -5,9 +5,10 @@ use spineline::measure::{Corners, Origin};
 use spineline_store::{
     AcceptedVertebra, Corner, Event, NewCase, Next, PlanDesign, ReadingId, Store, StoreError, Study,
 };
+use tempfile::TempDir;
 
 use crate::plan::random;
-use crate::session::{by, create, film_bytes, image, minute, name, place};
+use crate::session::{by, create, film_bytes, image, minute, name, new_store, place};
 
 const BODY: [(Corner, [f64; 2]); 4] = [
     (Corner::SuperiorLeft, [400.0, 1000.0]),
@@ -26,15 +27,15 @@ fn wall(level: Level, side: Side, column_px: f64) -> Event {
 }
 
 /// A study with a film and an open reading of observer A.
-fn begun(folder: &tempfile::TempDir) -> (Store, ReadingId) {
-    let mut store = create(&folder.path().join("store"));
+fn begun() -> (TempDir, Store, ReadingId) {
+    let (folder, mut store) = new_store();
     let (id, lead) = (name("S-1"), by("lead", 1));
     store.add_study(&Study::new(id.clone(), None, true), &lead).expect("a study");
     let mut image = image();
     image["file"] = "erect.dcm".into();
     let film = store.add_film(&id, Posture::Erect, &film_bytes(1), &image, &lead).expect("a film");
     let reading = store.begin_reading(film, 1, &by("A", 2)).expect("a reading");
-    (store, reading)
+    (folder, store, reading)
 }
 
 fn record(store: &mut Store, reading: ReadingId, events: &[Event]) {
@@ -46,8 +47,7 @@ fn record(store: &mut Store, reading: ReadingId, events: &[Event]) {
 
 #[test]
 fn a_moved_corner_of_an_accepted_vertebra_is_adjusted_and_one_undo_takes_it_back() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (mut store, reading) = begun(&folder);
+    let (_folder, mut store, reading) = begun();
     let level = Level::T9;
     let moved =
         Event::MoveCorner { level, corner: Corner::SuperiorLeft, column_px: 401.0, row_px: 999.0 };
@@ -66,8 +66,7 @@ fn a_moved_corner_of_an_accepted_vertebra_is_adjusted_and_one_undo_takes_it_back
 
 #[test]
 fn origins_and_walls_reach_the_case_and_another_store() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (mut store, reading) = begun(&folder);
+    let (folder, mut store, reading) = begun();
     let clicked = BODY.map(|(corner, [column, row])| place(Level::T8, corner, column, row - 140.0));
     let level = Level::T9;
     let moved =
@@ -94,8 +93,7 @@ fn origins_and_walls_reach_the_case_and_another_store() {
 
 #[test]
 fn a_plan_without_proposals_takes_clicked_corners_only() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = create(&folder.path().join("store"));
+    let (_folder, mut store) = new_store();
     let (id, lead) = (name("S-1"), by("lead", 1));
     store.add_study(&Study::new(id.clone(), None, true), &lead).expect("a study");
     store.add_film(&id, Posture::Erect, &film_bytes(1), &image(), &lead).expect("a film");
@@ -117,8 +115,7 @@ fn a_plan_without_proposals_takes_clicked_corners_only() {
 
 #[test]
 fn vertebrae_that_are_not_whole_are_not_accepted() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (mut store, reading) = begun(&folder);
+    let (_folder, mut store, reading) = begun();
     let mut refuse = |event: Event| {
         let refused = store.record(reading, &event, 0, &by("A", 3));
         assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");

@@ -9,8 +9,9 @@ use spineline_store::{
     BlindFilm, ClosedReading, Corner, Event, FilmCode, FilmEdit, Hash, Name, Next, PlanDesign,
     ReadingId, Signature, Store, StoreError, Study, Timestamp, Visibility, system_random,
 };
+use tempfile::TempDir;
 
-use crate::session::{by, create, film_bytes, image, minute, name, place};
+use crate::session::{by, film_bytes, image, minute, name, new_store, place};
 
 const DAY: i64 = 24 * 60;
 const DESIGN: PlanDesign = PlanDesign { repeats: 2, washout_days: 14, proposals: true };
@@ -26,19 +27,13 @@ pub fn random(seed: u8) -> impl FnMut(&mut [u8]) {
     }
 }
 
-fn planned(folder: &tempfile::TempDir, file: &str, study: &str, design: PlanDesign) -> Store {
-    planned_by(folder, file, study, design, &mut random(7))
+fn planned(design: PlanDesign) -> (TempDir, Store) {
+    planned_by(design, &mut random(7))
 }
 
-fn planned_by(
-    folder: &tempfile::TempDir,
-    file: &str,
-    study: &str,
-    design: PlanDesign,
-    random: &mut dyn FnMut(&mut [u8]),
-) -> Store {
-    let mut store = create(&folder.path().join(file));
-    let id = name(study);
+fn planned_by(design: PlanDesign, random: &mut dyn FnMut(&mut [u8])) -> (TempDir, Store) {
+    let (folder, mut store) = new_store();
+    let id = name("S-1");
     let label = Some("Doe, Jane".to_owned());
     store.add_study(&Study::new(id.clone(), label, true), &by("lead", 1)).expect("a study");
     for (seed, posture) in (0..).zip(Posture::ALL) {
@@ -48,7 +43,7 @@ fn planned_by(
     let slots =
         store.reading_plan(&id, &observers, design, random, &by("lead", 3)).expect("a plan");
     assert_eq!(slots, 5 * 2 * design.repeats as usize);
-    store
+    (folder, store)
 }
 
 fn next(store: &Store, who: &str, now: Timestamp) -> Next {
@@ -100,10 +95,9 @@ fn codes(store: &Store) -> Vec<String> {
 
 #[test]
 fn the_order_depends_on_the_random_numbers_and_observers_only() {
-    let folder = tempfile::tempdir().expect("a folder");
     let mut orders = BTreeMap::new();
     for (file, seed) in [("a", 7), ("b", 7), ("c", 8)] {
-        let mut store = planned_by(&folder, file, "S-1", DESIGN, &mut random(seed));
+        let (_folder, mut store) = planned_by(DESIGN, &mut random(seed));
         let codes = codes(&store);
         orders.insert(file, (codes, read_all(&mut store, "A"), read_all(&mut store, "B")));
     }
@@ -114,10 +108,9 @@ fn the_order_depends_on_the_random_numbers_and_observers_only() {
 
 #[test]
 fn codes_and_order_cannot_be_computed_in_a_store_of_ones_own() {
-    let folder = tempfile::tempdir().expect("a folder");
     let design = PlanDesign { repeats: 6, washout_days: 0, ..DESIGN };
-    let [(clinic, clinic_order), (own, own_order)] = ["clinic", "own"].map(|file| {
-        let mut store = planned_by(&folder, file, "S-1", design, &mut system_random);
+    let [(clinic, clinic_order), (own, own_order)] = ["clinic", "own"].map(|_| {
+        let (_folder, mut store) = planned_by(design, &mut system_random);
         let codes: BTreeSet<String> = codes(&store).into_iter().collect();
         (codes, read_all(&mut store, "A"))
     });
@@ -128,8 +121,7 @@ fn codes_and_order_cannot_be_computed_in_a_store_of_ones_own() {
 
 #[test]
 fn the_log_shows_the_secret_of_the_order_when_the_plan_is_done() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (_folder, mut store) = planned(DESIGN);
     let revealed = |store: &Store| {
         let log = store.audit_log().expect("a log");
         let shown: Vec<String> = log
@@ -166,8 +158,7 @@ fn the_log_shows_the_secret_of_the_order_when_the_plan_is_done() {
 
 #[test]
 fn every_film_is_read_once_per_round_and_after_the_washout() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", PlanDesign { repeats: 3, ..DESIGN });
+    let (_folder, mut store) = planned(PlanDesign { repeats: 3, ..DESIGN });
     let order = read_all(&mut store, "A");
     let films: BTreeSet<_> = order.iter().map(|(content, _)| content.clone()).collect();
     assert_eq!((films.len(), order.len()), (5, 15));
@@ -184,8 +175,7 @@ fn every_film_is_read_once_per_round_and_after_the_washout() {
 
 #[test]
 fn a_repeat_begun_early_or_out_of_turn_is_refused() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (_folder, mut store) = planned(DESIGN);
     let refused = store.begin_planned(&FilmCode::new("NOCODE"), &by("A", 10));
     assert!(matches!(refused, Err(StoreError::OutOfTurn)), "{refused:?}");
     let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
@@ -219,8 +209,7 @@ fn a_repeat_begun_early_or_out_of_turn_is_refused() {
 
 #[test]
 fn a_clock_that_jumps_back_does_not_shorten_the_washout() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", PlanDesign { repeats: 2, ..DESIGN });
+    let (_folder, mut store) = planned(PlanDesign { repeats: 2, ..DESIGN });
     for _ in 0..5 {
         let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
         let reading = store.begin_planned(&film.code, &by("A", 10)).expect("the next film");
@@ -232,8 +221,7 @@ fn a_clock_that_jumps_back_does_not_shorten_the_washout() {
 
 #[test]
 fn a_blinded_reader_sees_only_codes_and_own_readings_until_the_end() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", PlanDesign { repeats: 1, ..DESIGN });
+    let (_folder, mut store) = planned(PlanDesign { repeats: 1, ..DESIGN });
     let (a, b, study) = (name("A"), name("B"), name("S-1"));
     let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
     let seen = format!("{film:?}");
@@ -268,8 +256,7 @@ fn a_blinded_reader_sees_only_codes_and_own_readings_until_the_end() {
 
 #[test]
 fn a_blinded_reader_learns_no_time_of_a_click_of_others() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (_folder, mut store) = planned(DESIGN);
     let changed = |store: &Store, who: &str| {
         store.observer(&name(who)).last_change(&name("S-1")).expect("a change").at
     };
@@ -291,8 +278,7 @@ fn a_blinded_reader_learns_no_time_of_a_click_of_others() {
 
 #[test]
 fn a_film_does_not_change_between_its_planned_readings() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (_folder, mut store) = planned(DESIGN);
     let before = store.films(&name("S-1")).expect("films");
     let edits = [
         FilmEdit::Inverted(true),
@@ -316,8 +302,7 @@ fn a_film_does_not_change_between_its_planned_readings() {
 
 #[test]
 fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (_folder, mut store) = planned(DESIGN);
     let (study, lead) = (name("S-1"), by("lead", 50));
     let refused = store.release_washout(&study, &lead);
     assert!(matches!(refused, Err(StoreError::NothingAhead { .. })), "{refused:?}");
@@ -364,8 +349,7 @@ fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
 
 #[test]
 fn codes_are_unique_across_plans_with_the_same_random_numbers() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (_folder, mut store) = planned(DESIGN);
     let lead: Signature = by("lead", 5);
     let study = Study::new(name("S-2"), None, true);
     store.add_study(&study, &lead).expect("a study");
@@ -385,8 +369,7 @@ fn codes_are_unique_across_plans_with_the_same_random_numbers() {
 
 #[test]
 fn an_empty_plan_or_a_plan_after_readings_is_refused() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = create(&folder.path().join("store"));
+    let (_folder, mut store) = new_store();
     let (study, lead) = (name("S-1"), by("lead", 1));
     store.add_study(&Study::new(study.clone(), None, true), &lead).expect("a study");
     let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);
@@ -405,8 +388,7 @@ fn an_empty_plan_or_a_plan_after_readings_is_refused() {
 
 #[test]
 fn a_plan_is_changed_until_its_first_reading_begins() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (_folder, mut store) = planned(DESIGN);
     let (study, lead) = (name("S-1"), by("lead", 4));
     let before = store.open_plan(&study).expect("readable").expect("no reading yet");
     assert_eq!((&before.observers[..], before.design), (&[name("A"), name("B")][..], DESIGN));

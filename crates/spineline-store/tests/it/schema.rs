@@ -13,7 +13,7 @@ use spineline_store::{
 };
 
 use crate::options::option;
-use crate::session::{by, film_bytes, image, name};
+use crate::session::{by, film_bytes, folder, image, name};
 
 const SCHEMA: &str = include_str!("../../src/schema.sql");
 /// The schema that this program reads and writes.
@@ -113,7 +113,7 @@ fn write_store(path: &Path, films: i64) {
 
 #[test]
 fn a_study_takes_one_lateral_film() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
     write_store(&path, 1);
     assert!(Store::view(&path).expect("a store").verify(None).expect("verifiable").is_clean());
@@ -132,7 +132,7 @@ fn a_study_takes_one_lateral_film() {
 
 #[test]
 fn a_store_with_the_described_schema_is_read_and_written() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
     write_store(&path, 3);
     let study = name("S-1");
@@ -161,7 +161,7 @@ fn a_store_with_the_described_schema_is_read_and_written() {
 
 #[test]
 fn a_store_of_a_newer_program_is_refused_and_not_changed() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
     drop(crate::session::create(&path));
     let raw = Connection::open(&path).expect("a database");
@@ -182,7 +182,7 @@ fn a_store_of_a_newer_program_is_refused_and_not_changed() {
 
 #[test]
 fn a_store_without_the_number_of_its_schema_is_damaged_and_not_changed() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let path = folder.path().join("store");
     for number in [0, -1] {
         let _ = fs::remove_file(&path);

@@ -1,5 +1,6 @@
 //! A scripted session of known outcome: every step is one write, and the same session always gives the same history.
 
+use std::ops::Range;
 use std::path::Path;
 
 use serde_json::json;
@@ -8,6 +9,7 @@ use spineline_store::{
     Corner, Event, FilmEdit, FilmId, Name, ReadingId, Signature, Store, StoreError, Study,
     Timestamp,
 };
+use tempfile::TempDir;
 
 pub fn name(text: &str) -> Name {
     Name::new(text).expect("a good name")
@@ -24,6 +26,22 @@ pub fn by(who: &str, minutes: i64) -> Signature {
 
 pub fn create(path: &Path) -> Store {
     Store::create(path, &by("lead", 0)).expect("a new store")
+}
+
+pub fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+/// A folder with a new store, `store`.
+pub fn new_store() -> (TempDir, Store) {
+    store_after(0)
+}
+
+/// A folder with a store after this number of steps of the session, `store`.
+pub fn store_after(steps: usize) -> (TempDir, Store) {
+    let folder = folder();
+    let store = after(&folder.path().join("store"), steps);
+    (folder, store)
 }
 
 pub fn image() -> serde_json::Value {
@@ -114,6 +132,18 @@ pub fn run(store: &mut Store, step: usize) -> Result<(), StoreError> {
             _ => store.record(ReadingId(2), &Event::Undo, 1, &by("B", -500_000)).map(drop),
         },
     }
+}
+
+/// Takes these steps of the session.
+pub fn take(store: &mut Store, steps: Range<usize>) {
+    steps.for_each(|step| run(store, step).expect("a step"));
+}
+
+/// A new store after this number of steps.
+pub fn after(path: &Path, steps: usize) -> Store {
+    let mut store = create(path);
+    take(&mut store, 0..steps);
+    store
 }
 
 /// All readable state of a store, with the end of its log.

@@ -8,7 +8,9 @@ use std::process::Command;
 
 use spineline_store::{Store, StoreError};
 
-use crate::session::{STEPS, by, create, fingerprint, reference, run, try_fingerprint};
+use crate::session::{
+    STEPS, by, fingerprint, folder, reference, run, store_after, try_fingerprint,
+};
 
 /// A separate small disk, if this user may create one.
 struct SmallDisk<'a> {
@@ -47,7 +49,7 @@ impl Drop for SmallDisk<'_> {
 
 #[test]
 fn a_full_file_system_loses_no_acknowledged_change() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     let reference = reference(&folder.path().join("reference"));
     let place = folder.path().join("disk");
     fs::create_dir(&place).expect("a folder");
@@ -90,9 +92,7 @@ fn a_full_file_system_loses_no_acknowledged_change() {
 
 #[test]
 fn a_backup_without_room_is_refused_and_leaves_no_file() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut store = create(&folder.path().join("store"));
-    (0..STEPS).for_each(|step| run(&mut store, step).expect("a step"));
+    let (folder, store) = store_after(STEPS);
     let place = folder.path().join("disk");
     fs::create_dir(&place).expect("a folder");
     let Some(disk) = SmallDisk::mount(&place, 60) else { return };

@@ -6,25 +6,23 @@ use spineline_store::{
     CaseReadings, Corner, Event, ExportRemark, FilmEdit, FilmId, NewCase, PlanDesign, ReadingId,
     Store, StoreError, Study, StudyEdit, WithdrawalCause, system_random,
 };
+use tempfile::TempDir;
 
-use crate::session::{FILM, READING, by, clicks, create, film_bytes, image, name, place, run};
+use crate::session::{
+    FILM, READING, by, clicks, film_bytes, image, name, new_store, place, store_after,
+};
 
 const STUDY: &str = "S-1";
 /// Events of the first reading of the session.
 const CLICKED: u64 = 23;
 
 /// The session up to the end of its first reading.
-fn finished(folder: &tempfile::TempDir) -> Store {
+fn finished() -> (TempDir, Store) {
     assert_eq!(clicks().len() as u64, CLICKED);
-    let mut store = create(&folder.path().join("store"));
-    (0..5).for_each(|step| run(&mut store, step).expect("a step"));
+    let (folder, mut store) = store_after(5);
     store.record_all(READING, &clicks(), 0, &by("A", 10)).expect("events");
     store.finish_reading(READING, CLICKED, &by("A", 11)).expect("finished");
-    store
-}
-
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir().expect("a folder")
+    (folder, store)
 }
 
 /// Observer, repeat and first corner of L4 of the readings of the erect film in an exported case.
@@ -47,8 +45,7 @@ fn actions(store: &Store) -> Vec<(String, String, String)> {
 
 #[test]
 fn a_withdrawn_reading_stays_in_the_store_and_counts_nowhere() {
-    let folder = folder();
-    let mut store = finished(&folder);
+    let (folder, mut store) = finished();
     let before = store.reading_state(READING).expect("a state");
     assert_eq!(exported(&store).len(), 1);
     let changed = store.last_result_change(&name(STUDY)).expect("an entry");
@@ -86,8 +83,7 @@ fn a_withdrawn_reading_stays_in_the_store_and_counts_nowhere() {
 
 #[test]
 fn an_open_reading_that_is_withdrawn_takes_no_more_clicks() {
-    let folder = folder();
-    let mut store = finished(&folder);
+    let (_folder, mut store) = finished();
     let open = store.begin_reading(FilmId(2), 1, &by("A", 60)).expect("a reading");
     store.withdraw_reading(open, "begun by mistake", &by("A", 61)).expect("withdrawn");
     let click = place(Level::L4, Corner::SuperiorLeft, 1.0, 2.0);
@@ -99,8 +95,7 @@ fn an_open_reading_that_is_withdrawn_takes_no_more_clicks() {
 
 #[test]
 fn a_correction_replaces_the_reading_when_it_is_finished() {
-    let folder = folder();
-    let mut store = finished(&folder);
+    let (_folder, mut store) = finished();
     let before = store.reading_state(READING).expect("a state");
     let other = store.correct_reading(READING, &by("B", 70));
     assert!(matches!(other, Err(StoreError::NotYours { .. })), "{other:?}");
@@ -149,8 +144,7 @@ fn a_correction_replaces_the_reading_when_it_is_finished() {
 
 #[test]
 fn an_abandoned_correction_leaves_the_reading_as_it_is() {
-    let folder = folder();
-    let mut store = finished(&folder);
+    let (_folder, mut store) = finished();
     let correction = store.correct_reading(READING, &by("A", 70)).expect("a copy");
     store.withdraw_reading(correction, "not needed", &by("A", 71)).expect("withdrawn");
     assert_eq!(exported(&store)[0].2[0].as_f64(), Some(400.25));
@@ -159,8 +153,7 @@ fn an_abandoned_correction_leaves_the_reading_as_it_is() {
 
 #[test]
 fn a_planned_study_keeps_its_readings_until_the_end_and_takes_no_correction() {
-    let folder = folder();
-    let mut store = create(&folder.path().join("store"));
+    let (_folder, mut store) = new_store();
     let (study, lead) = (name("B-1"), by("lead", 0));
     store.add_study(&Study::new(study.clone(), None, true), &lead).expect("a study");
     for (seed, posture) in [(1, Posture::Erect), (2, Posture::LeftBending)] {
@@ -193,8 +186,7 @@ fn a_planned_study_keeps_its_readings_until_the_end_and_takes_no_correction() {
 
 #[test]
 fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
-    let folder = folder();
-    let mut store = finished(&folder);
+    let (_folder, mut store) = finished();
     let study = name(STUDY);
     let open = store.begin_reading(FilmId(2), 1, &by("A", 60)).expect("a reading");
     let label = StudyEdit::Label { label: Some("before brace".to_owned()) };
@@ -237,8 +229,7 @@ fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
 
 #[test]
 fn films_are_added_to_a_study_all_or_none() {
-    let folder = folder();
-    let mut store = finished(&folder);
+    let (_folder, mut store) = finished();
     let study = store.study(&name(STUDY)).expect("a study");
     let neutral = NewCase::of(study).film(Posture::Neutral, film_bytes(8), image());
     let known = neutral.clone().film(Posture::Traction, film_bytes(1), image());
