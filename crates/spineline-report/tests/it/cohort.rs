@@ -9,20 +9,19 @@ use spineline::cohort::{Cohort, CohortPatient};
 use spineline::multibody::PathEnding;
 use spineline::number::fixed;
 use spineline::reliability::{RatedQuantity, assess};
-use spineline_phantom::{Readers, Scenario, generate};
-use spineline_report::cohort::{self, PatientRow, Rows};
+use spineline_phantom::Scenario;
+use spineline_report::cohort::{self, PatientRow};
 use spineline_report::document::{Block, Table};
 use spineline_report::{Document, figures, html, reliability, terminal};
 
-use crate::common::{analyzed, cohort_report, section};
-use crate::terminal::{case, tables};
+use crate::common::{
+    GENERATOR, analyzed, case, cohort_report, exact, figure_names, rows, section, together,
+    with_films,
+};
+use crate::terminal::tables;
 
-/// A phantom of which some films are kept.
 fn analysis(subject: usize, films: &[Posture]) -> Analysis {
-    let readers = Readers::exact();
-    let mut case = generate(subject, Scenario::Rod, &readers, 1).expect("a subject").case;
-    case.films.retain(|film| films.contains(&film.posture));
-    analyzed(&case)
+    analyzed(&with_films(subject, films))
 }
 
 fn document(analyses: &[Analysis]) -> Document {
@@ -54,7 +53,7 @@ fn every_patient_and_line_has_its_error_on_left_out_bends() {
             assert_eq!(row.expect("a row of this line")[3], expected, "{name}");
         }
     }
-    let names: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
+    let names = figure_names(&document);
     assert!(names.contains(&"errors-left-out"), "{names:?}");
     assert!(table(&document, "errors", "Errors on bending films, left out").is_some());
     assert_eq!(table(&document, "tests", "Films on which"), None, "all lines have results");
@@ -68,7 +67,7 @@ fn a_film_that_is_left_out_is_named_with_line_and_reason() {
     for simulation in postures.iter_mut().filter(|simulation| !simulation.fitted) {
         simulation.status = PathEnding::Unreachable;
     }
-    let cohort = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
+    let cohort = together(&analyses);
     assert_eq!(cohort.compared.missing.len(), 2, "one line on two films");
     let document = document(&analyses);
     let found = table(&document, "tests", "Films on which a line has no result").expect("a table");
@@ -84,7 +83,7 @@ fn a_film_that_is_left_out_is_named_with_line_and_reason() {
 
 #[test]
 fn a_doubted_film_and_a_shorter_chain_are_named() {
-    let mut case = generate(1, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
+    let mut case = exact(1);
     let landmarks = case.films[0].landmarks.clone();
     assert_eq!(case.films[0].posture, Posture::Erect);
     let left = case.films.iter_mut().find(|film| film.posture == Posture::LeftBending);
@@ -147,7 +146,7 @@ fn cases_without_a_model_or_a_film_are_named_with_the_reason() {
 fn a_cohort_of_erect_films_has_no_empty_panels() {
     let analyses = [0, 1].map(|subject| analysis(subject, &[Posture::Erect]));
     let document = document(&analyses);
-    let names: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
+    let names = figure_names(&document);
     assert_eq!(names, ["flow", "lenke"]);
     assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
     let text = html(&document);
@@ -158,7 +157,7 @@ fn a_cohort_of_erect_films_has_no_empty_panels() {
 fn a_kind_of_film_without_results_says_so_in_place_of_an_empty_panel() {
     let films = [Posture::Erect, Posture::LeftBending];
     let document = document(&[analysis(0, &films), analysis(1, &films)]);
-    let names: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
+    let names = figure_names(&document);
     assert!(names.contains(&"errors-fitted"), "{names:?}");
     assert!(!names.contains(&"errors-left-out") && !names.contains(&"errors-held-out"));
     let without = Block::Paragraph("These films have no result.".to_owned());
@@ -169,7 +168,7 @@ fn a_kind_of_film_without_results_says_so_in_place_of_an_empty_panel() {
 
 #[test]
 fn figures_of_a_shorter_chain_name_its_own_base() {
-    let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
+    let mut case = exact(0);
     for film in &mut case.films {
         for reading in film.landmarks.corner_readings_mut() {
             reading.vertebrae.retain(|level, _| (Level::L3..=Level::T4).contains(level));
@@ -204,13 +203,8 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
     let all = PatientRow::MAX_SHOWN + 1;
     for (patients, is_cut) in [(all - 1, false), (all, true)] {
         let together = Cohort::of(&vec![patient.clone(); patients], 1);
-        let rows = vec![PatientRow::of(&analysis); patients];
-        let document = cohort::full(&Rows {
-            patients: &rows,
-            together: &together,
-            refused: &[],
-            generator: "spineline test",
-        });
+        let shown = vec![PatientRow::of(&analysis); patients];
+        let document = cohort::full(&rows(&shown, &together));
         let table = tables(&document)
             .into_iter()
             .find(|t| t.caption.contains("Mean location"))
@@ -235,13 +229,7 @@ fn films_without_a_result_are_shown_of_the_first_patients() {
             CohortPatient::of(&without)
         });
         let together = Cohort::of(&patients, 1);
-        let row = [PatientRow::of(&whole)];
-        let document = cohort::full(&Rows {
-            patients: &row,
-            together: &together,
-            refused: &[],
-            generator: "spineline test",
-        });
+        let document = cohort::full(&rows(&[PatientRow::of(&whole)], &together));
         let table =
             tables(&document).into_iter().find(|t| t.caption.contains("no result")).expect("films");
         assert_eq!(table.note.contains("The first 200 of 201 patients"), is_cut, "{}", table.note);
@@ -260,7 +248,7 @@ fn readings_that_cannot_be_compared_say_why() {
                 assert!(quantity.insert(&subject.to_string(), observer, 1, f64::from(subject)));
             }
         }
-        terminal(&reliability::summary(&[assess(&quantity)], false, "spineline test"), 110)
+        terminal(&reliability::summary(&[assess(&quantity)], false, GENERATOR), 110)
     };
     let one_subject = text(1, &["A", "B"]);
     assert!(one_subject.contains("not known: 1 subject, and at least 2"), "{one_subject}");

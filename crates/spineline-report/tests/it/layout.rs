@@ -1,21 +1,13 @@
 //! Films fill their page, and tables keep their heads on paper.
 
-use spineline::analysis::Case;
 use spineline::anatomy::Posture;
-use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::document::{Column, Section, Table};
 use spineline_report::{Document, figures, html};
 
-use crate::common::{analyzed, report};
+use crate::common::{analyzed, exact, report, with_films};
 
 /// Between the edges of a figure, for frames and written axes.
 const PAGE_PX: f64 = 900.0;
-
-fn case(films: &[Posture]) -> Case {
-    let mut case = generate(1, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
-    case.films.retain(|film| films.contains(&film.posture));
-    case
-}
 
 /// Width and height of every frame of a figure, from the rectangles that clip its contents.
 fn frames_px(svg: &str) -> Vec<[f64; 2]> {
@@ -30,7 +22,7 @@ fn frames_px(svg: &str) -> Vec<[f64; 2]> {
 #[test]
 fn films_fill_the_page_whatever_their_number() {
     for (count, per_row) in [(2, 2), (3, 3), (4, 2), (5, 3)] {
-        let case = case(&Posture::ALL[..count]);
+        let case = with_films(1, &Posture::ALL[..count]);
         let analysis = analyzed(&case);
         let frames = frames_px(&figures::films(&case, &analysis, &[]));
         assert_eq!(frames.len(), count);
@@ -48,7 +40,7 @@ fn films_fill_the_page_whatever_their_number() {
 
 #[test]
 fn films_may_fill_a_page() {
-    let case = case(&Posture::ALL);
+    let case = exact(1);
     let document = report(&case);
     let whole: Vec<&str> =
         document.figures().filter(|f| f.whole_page).map(|f| f.name.as_str()).collect();

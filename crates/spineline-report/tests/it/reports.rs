@@ -6,13 +6,11 @@ use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline::evaluate::Baseline;
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
-use spineline_phantom::{
-    Readers, SagittalShape, Scenario, SpaceSetup, generate, generate_in_space,
-};
+use spineline_phantom::{SagittalShape, Scenario, SpaceSetup, generate_in_space};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
 use spineline_report::{Document, embedded, html, markdown, patient, png};
 
-use crate::common::{analyzed, cohort_report, section, shown};
+use crate::common::{self, analyzed, cohort_report, figure_names, section, shown};
 
 const HOSTILE: [&str; 6] = [
     "<script>alert(1)</script>",
@@ -27,8 +25,7 @@ const JSON: &str =
     r#"{"case_id":"</script><!-- ``` ``````json spineline-analysis \\u003c","n":1.5}"#;
 
 fn case(subject: usize) -> Case {
-    let readers = Readers::scaled(1.0);
-    generate(subject, Scenario::Rod, &readers, 1).expect("a subject of table 1").case
+    common::case(subject, Scenario::Rod)
 }
 
 fn document(case: &Case) -> Document {
@@ -108,7 +105,7 @@ fn a_patient_report_has_every_section_and_the_main_finding_first() {
     assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
     assert!(document.banners[0].text.contains("Synthetic"));
     assert!(document.banners[1].text.contains("not a medical device"));
-    let names: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
+    let names = figure_names(&document);
     for name in [
         "films",
         "rotations",
@@ -444,7 +441,7 @@ fn a_cohort_report_has_every_section_and_counts_excluded_patients() {
     {
         assert!(flow.contains(words), "{words}");
     }
-    let figures: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
+    let figures = figure_names(&document);
     assert!(figures.contains(&"errors-fitted") && figures.contains(&"errors-held-out"));
     let tested = tables(section(&document, "tests"));
     assert!(tested[0].rows[0][1].contains("all treated as independent"));

@@ -3,17 +3,16 @@
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
-use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::document::{Block, Section};
 use spineline_report::figures::{case_overview, line_identification, spine_in_space};
 use spineline_report::html;
 use spineline_report::patient::films_table;
 
-use crate::common::{analyzed, report, section};
+use crate::common::{analyzed, exact, report, section};
 
 /// A phantom whose films of some postures lack a spacing.
 fn case(without: &[Posture]) -> Case {
-    let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
+    let mut case = exact(0);
     for film in case.films.iter_mut().filter(|film| without.contains(&film.posture)) {
         let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("corners") };
         image.spacing = None;

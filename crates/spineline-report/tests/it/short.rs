@@ -2,17 +2,17 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, MultiplierVerdict, Predictor};
-use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
+use spineline::cohort::ErrorKind;
 use spineline::evaluate::Baseline;
 use spineline::number::fixed;
 use spineline::personalize::{IntervalVerdict, MultiplierInformation};
 use spineline::warning::WarningCode;
 use spineline_phantom::Scenario;
-use spineline_report::cohort::{self, PatientRow, Rows};
+use spineline_report::cohort::{self, PatientRow};
 use spineline_report::{Document, WarningCounts, patient, terminal};
 
-use crate::common::{analyzed, shown};
-use crate::terminal::{case, tables};
+use crate::common::{analyzed, case, rows, shown, together};
+use crate::terminal::tables;
 
 const WIDTH: usize = terminal::WIDTH;
 
@@ -121,19 +121,13 @@ fn an_erect_film_alone_says_what_to_add() {
     assert!(!text.contains("How stiff?"), "{text}");
 }
 
-fn cohort_of(analyses: &[Analysis]) -> (Vec<PatientRow>, Cohort) {
-    let patients: Vec<CohortPatient> = analyses.iter().map(CohortPatient::of).collect();
-    (analyses.iter().map(PatientRow::of).collect(), Cohort::of(&patients, 1))
-}
-
 #[test]
 fn a_cohort_shows_the_test_of_every_patient_and_one_row_per_comparison() {
     let analyses: Vec<Analysis> =
         (0..4).map(|subject| analyzed(&case(subject, Scenario::Pull))).collect();
-    let (rows, together) = cohort_of(&analyses);
-    let generator = "spineline test";
-    let rows = Rows { patients: &rows, together: &together, refused: &[], generator };
-    let document = cohort::summary(&rows);
+    let together = together(&analyses);
+    let patients: Vec<PatientRow> = analyses.iter().map(PatientRow::of).collect();
+    let document = cohort::summary(&rows(&patients, &together));
     first_screen(&document, 45);
     let all = tables(&document);
     assert_eq!(all[0].rows.len(), analyses.len());

@@ -3,28 +3,23 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Predictor, analyze};
 use spineline::anatomy::Level;
-use spineline::cohort::{Cohort, CohortPatient};
 use spineline::hypothesis::{Hypothesis, HypothesisScores, Role, compare};
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::number::{fixed, signed};
 use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo, QuantityKind, Uncertainty};
-use spineline_phantom::{Readers, Scenario, generate};
-use spineline_report::cohort::{self, PatientRow, Rows};
+use spineline_phantom::Scenario;
+use spineline_report::cohort::{self, PatientRow};
 use spineline_report::document::{Block, NoticeKind, Table};
 use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, reliability, terminal, warnings};
 
-use crate::common::{analyzed, shown};
+use crate::common::{GENERATOR, analyzed, case, rows, shown, together};
 
 const WIDTH: usize = 110;
 /// No line is broken below it.
 const WIDE: usize = 1000;
-
-pub fn case(subject: usize, scenario: Scenario) -> Case {
-    generate(subject, scenario, &Readers::scaled(1.0), 1).expect("a subject of table 1").case
-}
 
 fn summary(
     case: &Case,
@@ -383,14 +378,9 @@ fn a_patient_fits_the_terminal_width_and_two_pages() {
 fn a_cohort_shows_every_patient_line_and_test() {
     let cases: Vec<Case> = (0..4).map(|subject| case(subject, Scenario::Pull)).collect();
     let analyses: Vec<Analysis> = cases.iter().map(analyzed).collect();
-    let together = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
-    let rows: Vec<PatientRow> = analyses.iter().map(PatientRow::of).collect();
-    let document = cohort::full(&Rows {
-        patients: &rows,
-        together: &together,
-        refused: &[],
-        generator: "spineline test",
-    });
+    let together = together(&analyses);
+    let patients: Vec<PatientRow> = analyses.iter().map(PatientRow::of).collect();
+    let document = cohort::full(&rows(&patients, &together));
     assert_whole(&document);
     let text = terminal(&document, WIDE);
     assert!(text.starts_with("Cohort: 4 patients · SYNTHETIC"), "{text}");
@@ -443,12 +433,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
 
 #[test]
 fn an_empty_cohort_says_so() {
-    let document = cohort::summary(&Rows {
-        patients: &[],
-        together: &Cohort::of(&[], 1),
-        refused: &[],
-        generator: "spineline test",
-    });
+    let document = cohort::summary(&rows(&[], &together(&[])));
     assert!(terminal(&document, WIDTH).contains("No case could be analysed."));
 }
 
@@ -459,7 +444,7 @@ fn every_statistic_of_readings_is_shown_with_interval_and_limits_of_agreement() 
     let films: Vec<FilmReadings> = case.films.iter().map(measure).collect();
     let found: Vec<QuantityReliability> =
         film_quantities(&[(&case.id, &films)]).iter().map(assess).collect();
-    let document = reliability::full(&found, true, "spineline test");
+    let document = reliability::full(&found, true, GENERATOR);
     assert_whole(&document);
     let text = terminal(&document, WIDE);
     assert!(text.lines().next().is_some_and(|line| line.contains("SYNTHETIC")), "{text}");
