@@ -18,6 +18,7 @@ pub(super) fn model(support: Support) -> PersonalisedModel {
     analysis.personalised_model(&analysis.models[0])
 }
 
+/// The text of a model in a format.
 pub(super) fn exported(model: &PersonalisedModel, format: ExportFormat) -> String {
     export(model, format, "test").expect("a good model")
 }
