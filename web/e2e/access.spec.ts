@@ -1,4 +1,4 @@
-import { DEMO, expect, runProgramWith, shot, test, usePages } from "./app";
+import { DEMO, PASSWORD, expect, shot, signIn, test, usePages } from "./app";
 import { answerWith, study } from "./made";
 
 const LEAD = {
@@ -180,21 +180,17 @@ test.describe("with a study", () => {
     "accounts on the real program: the admin adds an editor and grants one study",
     { tag: "@long" },
     async ({ app, page }) => {
-      const PASSWORD = "a password that is long enough";
       await app.kill();
-      const account = ["account", "add", "lead", "--role", "admin", "--password-stdin", app.store];
-      await runProgramWith(`${PASSWORD}\n`, ...account);
+      await app.addAccount("lead", "admin");
       await app.start("--accounts");
       await usePages(page);
 
-      const signIn = async (name: string): Promise<void> => {
-        await page.getByRole("textbox", { name: "Account" }).fill(name);
-        await page.getByLabel("Password", { exact: true }).fill(PASSWORD);
-        await page.getByRole("button", { name: "Sign in" }).click();
+      const enter = async (name: string): Promise<void> => {
+        await signIn(page, name);
         await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
       };
       await page.goto(app.address);
-      await signIn("lead");
+      await enter("lead");
       await page.getByRole("link", { name: "Access" }).click();
       await page.getByLabel("lead may sign in").uncheck();
       await expect(page.getByRole("alert")).toBeVisible();
@@ -212,16 +208,16 @@ test.describe("with a study", () => {
       // Before the grant the editor sees nothing, after it the granted study.
       const signOut = page.getByRole("button", { name: "Sign out" });
       await signOut.click();
-      await signIn("ab");
+      await enter("ab");
       await expect(page.getByRole("heading", { name: "No study yet" })).toBeVisible();
       await expect(page.getByRole("link", { name: "Access" })).toBeHidden();
       await signOut.click();
-      await signIn("lead");
+      await enter("lead");
       await page.getByRole("link", { name: "Access" }).click();
       await page.getByRole("combobox", { name: "Study", exact: true }).selectOption(DEMO);
       await page.getByLabel(`Permission of ab for ${DEMO}`).selectOption("Reader: view only");
       await signOut.click();
-      await signIn("ab");
+      await enter("ab");
       await expect(page.getByRole("article")).toContainText("Reader: view only");
     },
   );

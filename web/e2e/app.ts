@@ -12,6 +12,9 @@ import type { Api } from "../src/api/types";
 /** Study of the demonstration. */
 export const DEMO = "demo-rod-01";
 
+/** Password of all accounts. */
+export const PASSWORD = "a password that is long enough";
+
 /** The program under test. */
 const PROGRAM = process.env.SPINELINE_PROGRAM ?? path.resolve("../target/debug/spineline");
 
@@ -83,6 +86,27 @@ export class App {
     await api.dispose();
   }
 
+  /** Makes a phantom with films; returns the folder with its case file and its pictures. */
+  async makePhantom(...options: string[]): Promise<string> {
+    const folder = await mkdtemp(path.join(this.folder, "phantom-"));
+    await runProgram("phantom", ...options, "--films", "--out", folder);
+    return folder;
+  }
+
+  /** Stops the program and adds case files to its store. */
+  async addCases(...files: string[]): Promise<void> {
+    await this.kill();
+    await runProgram("study", "add", this.store, ...files);
+  }
+
+  /** Adds an account to the store. */
+  async addAccount(name: string, role: string): Promise<void> {
+    const words = ["account", "add", name, "--role", role, "--password-stdin", this.store];
+    const run = promisify(execFile)(PROGRAM, words);
+    run.child.stdin?.end(`${PASSWORD}\n`);
+    await run;
+  }
+
   /** Opens the app and signs in as an observer. */
   async open(page: Page, observer = "tester"): Promise<void> {
     await usePages(page);
@@ -102,13 +126,6 @@ export class App {
 /** Runs a command of the program to its end, such as to make phantoms; returns its output. */
 export async function runProgram(...args: string[]): Promise<string> {
   return (await promisify(execFile)(PROGRAM, args)).stdout;
-}
-
-/** The same with standard input, such as a password. */
-export async function runProgramWith(input: string, ...args: string[]): Promise<void> {
-  const run = promisify(execFile)(PROGRAM, args);
-  run.child.stdin?.end(input);
-  await run;
 }
 
 async function newApp(): Promise<App> {
@@ -172,6 +189,20 @@ export async function usePages(page: Page): Promise<void> {
       await route.fulfill({ status: 200, path: file, headers });
     },
   );
+}
+
+/** Signs in with an account. */
+export async function signIn(page: Page, name: string): Promise<void> {
+  await page.getByRole("textbox", { name: "Account" }).fill(name);
+  await page.getByLabel("Password", { exact: true }).fill(PASSWORD);
+  await page.getByRole("button", { name: "Sign in" }).click();
+}
+
+/** Enters the patient's side of a film that is added, where its file does not have it. */
+export async function enterSide(film: Locator): Promise<void> {
+  const sides = film.getByRole("group", { name: "The patient's left is on the" });
+  if (!(await sides.getByText("from the file").isVisible()))
+    await sides.getByRole("radio", { name: "right of the picture" }).check();
 }
 
 /** Fails on every violation that axe finds on the page. */

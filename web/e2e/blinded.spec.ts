@@ -1,11 +1,19 @@
-import { mkdtemp, rm } from "node:fs/promises";
-import { tmpdir } from "node:os";
 import path from "node:path";
 
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { expect, expectAccessible, runProgram, runProgramWith, shot, test, usePages } from "./app";
+import {
+  enterSide,
+  expect,
+  expectAccessible,
+  runProgram,
+  shot,
+  signIn,
+  test,
+  usePages,
+  type App,
+} from "./app";
 import { FilmPage } from "./marking";
 import { answers, get } from "./wire";
 
@@ -19,7 +27,7 @@ test(
   async ({ app, page }) => {
     test.setTimeout(240_000);
     await app.open(page, "lead");
-    await makeStudy(page);
+    await makeStudy(app, page);
     const films = (await get<Api<"StudyDetail">>(page, `/api/studies/${STUDY}`)).body.summary.films;
     // Another reader looks at the films while the plan is made.
     const early = await page.context().browser()!.newPage();
@@ -87,7 +95,7 @@ test(
       expect([403, 404], address).toContain(status);
       expect(JSON.stringify(body), address).not.toMatch(TELLING);
     }
-    await finish(bob);
+    await film.finish();
     const second = await beginNext(bob);
     expect(second).not.toBe(first);
     await film.painted();
@@ -104,7 +112,7 @@ test(
     await dialog.getByRole("button", { name: "Continue reading" }).click();
     await bob.getByRole("button", { name: "Undo" }).click();
     await film.saved();
-    await finish(bob);
+    await film.finish();
     await expect(bob.getByRole("heading", { name: /all films are read/i })).toBeVisible();
     // A finished reading does not reveal films that others have not finished.
     await bob.getByRole("link", { name: "Studies", exact: true }).click();
@@ -123,8 +131,9 @@ test(
     await eve.getByRole("link", { name: `Read ${STUDY}` }).click();
     for (const earlier of [first, second]) {
       expect(await beginNext(eve)).not.toBe(earlier);
-      await new FilmPage(eve).painted();
-      await finish(eve);
+      const film = new FilmPage(eve);
+      await film.painted();
+      await film.finish();
     }
     await expect(eve.getByRole("heading", { name: /all films are read/i })).toBeVisible();
     // All readings are finished: postures and readings are visible, without a new sign-in.
@@ -144,9 +153,8 @@ test(
   "an admin chooses the observers among the accounts that may read",
   { tag: "@long" },
   async ({ app, page }) => {
-    const PASSWORD = "a password that is long enough";
     await app.open(page, "lead");
-    await makeStudy(page);
+    await makeStudy(app, page);
     await app.kill();
     for (const [name, role] of [
       ["lead", "admin"],
@@ -154,8 +162,7 @@ test(
       ["ben", "editor"],
       ["carl", "reader"],
     ] as const) {
-      const add = ["account", "add", name, "--role", role, "--password-stdin", app.store];
-      await runProgramWith(`${PASSWORD}\n`, ...add);
+      await app.addAccount(name, role);
     }
     await runProgram("account", "grant", "anna", STUDY, "--role", "editor", app.store);
     await app.start("--accounts");
@@ -163,9 +170,7 @@ test(
       const page_ = await page.context().browser()!.newPage();
       await usePages(page_);
       await page_.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
-      await page_.getByRole("textbox", { name: "Account" }).fill(name);
-      await page_.getByLabel("Password", { exact: true }).fill(PASSWORD);
-      await page_.getByRole("button", { name: "Sign in" }).click();
+      await signIn(page_, name);
       return page_;
     };
     const [lead, anna] = [await signedIn("lead"), await signedIn("anna")];
@@ -188,21 +193,15 @@ test(
 );
 
 /** Two films of a phantom, dropped on the page. */
-async function makeStudy(page: Page): Promise<void> {
-  const phantom = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-  await runProgram("phantom", "--subject", "1", "--films", "--pixel-size", "4", "--out", phantom);
+async function makeStudy(app: App, page: Page): Promise<void> {
+  const phantom = await app.makePhantom("--subject", "1", "--pixel-size", "4");
   await page.getByRole("link", { name: "New study" }).first().click();
   const files = ["erect", "left_bending"].map((posture) =>
     path.join(phantom, `phantom-rod-01-${posture}.dcm`),
   );
   await page.locator("input[type=file]").setInputFiles(files);
   await expect(page.getByLabel("Posture")).toHaveCount(2, { timeout: 60_000 });
-  await rm(phantom, { recursive: true });
-  for (const film of await page.getByRole("article").all()) {
-    const sides = film.getByRole("group", { name: "The patient's left is on the" });
-    if (!(await sides.getByText("from the file").isVisible()))
-      await sides.getByRole("radio", { name: "right of the picture" }).check();
-  }
+  for (const film of await page.getByRole("article").all()) await enterSide(film);
   await page.getByRole("textbox", { name: "Identifier" }).fill(STUDY);
   await page.getByRole("button", { name: "Create the study" }).click();
   await expect(page).toHaveURL(new RegExp(`#/studies/${STUDY}/measure`), { timeout: 60_000 });
@@ -216,13 +215,6 @@ async function beginNext(page: Page): Promise<string> {
   await page.getByRole("button", { name: "Begin" }).click();
   await expect(page.getByRole("heading", { name: `Film ${code}` })).toBeVisible();
   return code;
-}
-
-async function finish(page: Page): Promise<void> {
-  await page.getByRole("button", { name: /finish reading/i }).click();
-  const dialog = page.getByRole("dialog", { name: /finish this reading/i });
-  await dialog.getByRole("button", { name: "Finish", exact: true }).click();
-  await expect(dialog).toBeHidden();
 }
 
 /** Picture of the current reading. */

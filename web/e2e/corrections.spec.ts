@@ -1,7 +1,6 @@
 import type { Api } from "../src/api/types";
 import { DEMO, expect, expectAccessible, shot, test } from "./app";
-import { CORNERS, FilmPage, cornerOf, farthest } from "./marking";
-import { send } from "./wire";
+import { FilmPage, cornerOf, farthest } from "./marking";
 
 type ReadingView = Api<"ReadingView">;
 
@@ -13,28 +12,16 @@ const CLOSE_PX = 2;
 /** A finished reading of the demo's erect film, with T6 tilted: its left corners lie 60 px lower. */
 async function tilted(film: FilmPage): Promise<ReadingView> {
   const truth = await film.truth();
-  const { reading } = await film.reading();
-  const events = truth.vertebrae.flatMap(({ level }) =>
-    CORNERS.map((corner): Api<"Event"> => {
-      const [column_px, row_px] = cornerOf(truth, level, corner);
-      const lower = level === "T6" && corner.endsWith("left") ? 60 : 0;
-      return { kind: "place_corner", level, corner, column_px, row_px: row_px + lower };
-    }),
-  );
-  const address = `/api/readings/${reading}/events`;
-  expect((await send(film.page, "POST", address, { expected_revision: 0, events })).status).toBe(
-    200,
-  );
+  const levels = truth.vertebrae.map(({ level }) => level);
+  await film.record(levels, (level, corner) => {
+    const [column, row] = cornerOf(truth, level, corner);
+    const isLower = level === "T6" && corner.endsWith("left");
+    return [column, isLower ? row + 60 : row];
+  });
   await expect(film.target).not.toContainText("L4");
-  await finish(film);
-  return truth;
-}
-
-async function finish(film: FilmPage): Promise<void> {
-  await film.page.getByRole("button", { name: /finish reading/i }).click();
-  const dialog = film.page.getByRole("dialog", { name: /finish this reading/i });
-  await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+  await film.finish();
   await expect(film.target).toContainText("Finished");
+  return truth;
 }
 
 test("a finished reading is corrected by a copy, which replaces it", async ({ app, page }) => {

@@ -1,12 +1,10 @@
-import { mkdtemp, rm } from "node:fs/promises";
-import { tmpdir } from "node:os";
 import path from "node:path";
 
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
 import { filmOf, type FilmPoint } from "../src/measure/viewport";
-import { expect, expectAccessible, runProgram, shot, test, type App } from "./app";
+import { expect, expectAccessible, shot, test, type App } from "./app";
 import { FilmPage, cornerOf, farthest } from "./marking";
 
 test.use({ hasDemo: true });
@@ -22,22 +20,8 @@ const [COLUMN_MM, ROW_MM] = [0.2, 0.25];
 
 /** A study of a patient seen from the front, with pixels that are not square. */
 async function fromTheFront(app: App, page: Page): Promise<FilmPage> {
-  const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-  await runProgram(
-    "phantom",
-    "--subject",
-    "15",
-    "--noise",
-    "0",
-    "--films",
-    "--pixel-size",
-    "2",
-    "--out",
-    folder,
-  );
-  await app.kill();
-  await runProgram("study", "add", app.store, path.join(folder, `${FRONT}.json`));
-  await rm(folder, { recursive: true });
+  const folder = await app.makePhantom("--subject", "15", "--noise", "0", "--pixel-size", "2");
+  await app.addCases(path.join(folder, `${FRONT}.json`));
   await app.start();
   await app.open(page);
   await page.goto(new URL(`#/studies/${FRONT}/measure`, app.address).href);

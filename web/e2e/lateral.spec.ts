@@ -1,5 +1,4 @@
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
-import { tmpdir } from "node:os";
+import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 
 import type { Page } from "@playwright/test";
@@ -10,7 +9,6 @@ import {
   expectAccessible,
   expectReadable,
   onPhoneAndComputer,
-  runProgram,
   shot,
   test,
   type App,
@@ -49,9 +47,7 @@ function fromTheSide(erect: Vertebra, columns: number, bend: number): Record<str
  * side.
  */
 async function withLateral(app: App, page: Page): Promise<void> {
-  const folder = await mkdtemp(path.join(tmpdir(), "spineline-lateral-"));
-  const options = ["--subject", "2", "--noise", "0", "--films", "--pixel-size", "2"];
-  await runProgram("phantom", ...options, "--out", folder);
+  const folder = await app.makePhantom("--subject", "2", "--noise", "0", "--pixel-size", "2");
   const file = path.join(folder, `${PATIENT}.json`);
   const made = JSON.parse(await readFile(file, "utf8")) as { films: Film[] };
   const erect = made.films.find(({ posture }) => posture === "erect")!;
@@ -73,9 +69,7 @@ async function withLateral(app: App, page: Page): Promise<void> {
   };
   const films = made.films.filter(({ posture }) => posture !== "neutral");
   await writeFile(file, JSON.stringify({ ...made, films, lateral }));
-  await app.kill();
-  await runProgram("study", "add", app.store, file);
-  await rm(folder, { recursive: true });
+  await app.addCases(file);
   await app.start();
   await app.open(page);
 }

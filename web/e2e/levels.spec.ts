@@ -1,22 +1,12 @@
-import type { Api } from "../src/api/types";
 import { expect, expectAccessible, shot, test } from "./app";
-import { CORNERS, FilmPage, LEVELS, cornerOf } from "./marking";
-import { send } from "./wire";
+import { FilmPage, LEVELS, cornerOf } from "./marking";
 
 test.use({ hasDemo: true });
 
 /** Records the corners of some levels of another reading. */
 async function marked(film: FilmPage, levels: readonly string[]): Promise<void> {
   const truth = await film.truth();
-  const { reading } = await film.reading();
-  const events = levels.flatMap((level) =>
-    CORNERS.map((corner): Api<"Event"> => {
-      const [column_px, row_px] = cornerOf(truth, level, corner);
-      return { kind: "place_corner", level, corner, column_px, row_px };
-    }),
-  );
-  const body = { expected_revision: 0, events };
-  expect((await send(film.page, "POST", `/api/readings/${reading}/events`, body)).status).toBe(200);
+  await film.record(levels, (level, corner) => cornerOf(truth, level, corner));
 }
 
 test("one key names all vertebrae one level up, and undo names them as before", async ({

@@ -3,6 +3,7 @@ import type { Page } from "@playwright/test";
 import type { Api } from "../src/api/types";
 import { cssOf, filmOf, type FilmPoint, type Viewport } from "../src/measure/viewport";
 import { expect, type App } from "./app";
+import { send } from "./wire";
 
 type ReadingView = Api<"ReadingView">;
 type Corner = Api<"CornerName">;
@@ -127,6 +128,31 @@ export class FilmPage {
     await this.page.mouse.down();
     await this.page.mouse.move(...(await this.where(to)), { steps: 8 });
     await this.page.mouse.up();
+  }
+
+  /** Records the corners of levels without clicks. */
+  async record(
+    levels: readonly string[],
+    placeOf: (level: string, corner: Corner) => FilmPoint,
+  ): Promise<void> {
+    const { reading, revision } = await this.reading();
+    const events = levels.flatMap((level) =>
+      CORNERS.map((corner): Api<"Event"> => {
+        const [column_px, row_px] = placeOf(level, corner);
+        return { kind: "place_corner", level, corner, column_px, row_px };
+      }),
+    );
+    const body = { expected_revision: revision, events };
+    const sent = await send(this.page, "POST", `/api/readings/${reading}/events`, body);
+    expect(sent.status).toBe(200);
+  }
+
+  /** Finishes the reading. */
+  async finish(): Promise<void> {
+    await this.page.getByRole("button", { name: /finish reading/i }).click();
+    const dialog = this.page.getByRole("dialog", { name: /finish this reading/i });
+    await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+    await expect(dialog).toBeHidden();
   }
 
   /** The current reading as the program has it. */

@@ -378,9 +378,7 @@ test("a finished reading cannot be changed", async ({ app, page }) => {
   const { film, truth } = await atL4(app, page);
   await film.mark(truth, "L4");
   await film.saved();
-  await page.getByRole("button", { name: /finish reading/i }).click();
-  const dialog = page.getByRole("dialog", { name: /finish this reading/i });
-  await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+  await film.finish();
   await expect(film.target).toContainText("Finished");
   await film.click(cornerOf(truth, "L3", "superior_left"));
   await expect(page.getByRole("button", { name: "Undo" })).toHaveCount(0);

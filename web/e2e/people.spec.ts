@@ -1,15 +1,13 @@
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
-import { tmpdir } from "node:os";
+import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 
 import type { Browser, Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { expect, runProgram, runProgramWith, shot, test, usePages, type App } from "./app";
+import { expect, runProgram, shot, signIn, test, usePages, type App } from "./app";
 import { FilmPage } from "./marking";
 import { get, send } from "./wire";
 
-const PASSWORD = "a password that is long enough";
 const [SHARED, OTHER] = ["phantom-rod-01", "of-ab-alone"];
 
 test(
@@ -18,13 +16,13 @@ test(
   async ({ app, browser }) => {
     test.setTimeout(300_000);
     await twoStudies(app);
-    await account(app, "lead", "admin");
+    await app.addAccount("lead", "admin");
     for (const [name, role] of [
       ["ab", "editor"],
       ["cd", "editor"],
       ["ef", "reader"],
     ] as const) {
-      await account(app, name, role);
+      await app.addAccount(name, role);
       await runProgram("account", "grant", name, SHARED, "--role", role, app.store);
     }
     await runProgram("account", "grant", "ab", OTHER, "--role", "editor", app.store);
@@ -61,9 +59,7 @@ async function readAtOnce(app: App, ab: Page, cd: Page): Promise<void> {
   ] as const) {
     const film = new FilmPage(page);
     await film.markSquare((await film.reading()).image);
-    await page.getByRole("button", { name: /finish reading/i }).click();
-    const dialog = page.getByRole("dialog", { name: /finish this reading/i });
-    await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+    await film.finish();
     await expect(film.target).toContainText("Finished");
     await expect(other.getByText(`${name} has changed this study.`)).toBeVisible();
     const readings = other.getByRole("combobox", { name: "Reading" });
@@ -159,19 +155,11 @@ async function expectLooking(app: App, ef: Page): Promise<void> {
 
 /** Imports a phantom into the store under two names while the program is stopped. */
 async function twoStudies(app: App): Promise<void> {
-  await app.kill();
-  const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-  await runProgram("phantom", "--subject", "1", "--films", "--pixel-size", "4", "--out", folder);
+  const folder = await app.makePhantom("--subject", "1", "--pixel-size", "4");
   const file = path.join(folder, `${SHARED}.json`);
   const other = path.join(folder, "other.json");
   await writeFile(other, (await readFile(file, "utf8")).replaceAll(`"${SHARED}"`, `"${OTHER}"`));
-  await runProgram("study", "add", app.store, file, other);
-  await rm(folder, { recursive: true });
-}
-
-async function account(app: App, name: string, role: string): Promise<void> {
-  const words = ["account", "add", name, "--role", role, "--password-stdin", app.store];
-  await runProgramWith(`${PASSWORD}\n`, ...words);
+  await app.addCases(file, other);
 }
 
 /** A separate browser context, signed in with an account. */
@@ -179,9 +167,7 @@ async function signedIn(browser: Browser, app: App, name: string): Promise<Page>
   const page = await (await browser.newContext()).newPage();
   await usePages(page);
   await page.goto(app.address);
-  await page.getByRole("textbox", { name: "Account" }).fill(name);
-  await page.getByLabel("Password", { exact: true }).fill(PASSWORD);
-  await page.getByRole("button", { name: "Sign in" }).click();
+  await signIn(page, name);
   await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
   return page;
 }

@@ -4,7 +4,7 @@ import path from "node:path";
 
 import type { Page } from "@playwright/test";
 
-import { expect, expectAccessible, runProgram, shot, test, usePages } from "./app";
+import { enterSide, expect, expectAccessible, runProgram, shot, test, usePages } from "./app";
 import { startArchive } from "./archive";
 import { EVIL, expectHarmless } from "./hostile";
 import { answerWith, manyStudies, study } from "./made";
@@ -20,18 +20,8 @@ test.describe("with films of one phantom", () => {
 
   test.beforeAll(async () => {
     phantom = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-    await runProgram(
-      "phantom",
-      "--scenario",
-      "rod",
-      "--subject",
-      "1",
-      "--films",
-      "--pixel-size",
-      "2",
-      "--out",
-      phantom,
-    );
+    const options = ["--scenario", "rod", "--subject", "1", "--films", "--pixel-size", "2"];
+    await runProgram("phantom", ...options, "--out", phantom);
     await writeFile(path.join(phantom, "garbage.dcm"), "this is not a picture\n".repeat(400));
   });
 
@@ -60,9 +50,7 @@ test.describe("with films of one phantom", () => {
     for (const posture of POSTURES) {
       const film = page.getByRole("article", { name: `${CASE}-${posture}.dcm` });
       await expect(film.getByLabel("Posture")).toHaveValue(posture);
-      const sides = film.getByRole("group", { name: "The patient's left is on the" });
-      if (!(await sides.getByText("from the file").isVisible()))
-        await sides.getByRole("radio", { name: "right of the picture" }).check();
+      await enterSide(film);
     }
     await page.getByRole("textbox", { name: "Identifier" }).fill("first-study");
     await page.getByRole("textbox", { name: /label/i }).fill("five films of a phantom");
@@ -106,9 +94,7 @@ test.describe("with films of one phantom", () => {
       await page.locator("input[type=file]").setInputFiles([file]);
       const film = page.getByRole("article", { name: path.basename(file) });
       await film.getByLabel("Posture").selectOption(posture, { timeout: 60_000 });
-      const sides = film.getByRole("group", { name: "The patient's left is on the" });
-      if (!(await sides.getByText("from the file").isVisible()))
-        await sides.getByRole("radio", { name: "right of the picture" }).check();
+      await enterSide(film);
     };
     await app.open(page);
     await page.getByRole("link", { name: "New study" }).first().click();

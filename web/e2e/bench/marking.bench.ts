@@ -3,8 +3,7 @@ import type { Page } from "@playwright/test";
 test.use({ hasDemo: true });
 
 import { test, type App } from "../app";
-import { CORNERS, FilmPage, LEVELS, cornerOf } from "../marking";
-import { send } from "../wire";
+import { FilmPage, LEVELS, cornerOf } from "../marking";
 import { print, spread } from "./table";
 
 const MOVES = 150;
@@ -25,15 +24,7 @@ test("a dragged corner, and a killed program", async ({ app, page }) => {
 /** Records all levels through the interface from another reading. */
 async function markAll(page: Page, film: FilmPage): Promise<void> {
   const truth = await film.truth();
-  const { reading, revision } = await film.reading();
-  const events = LEVELS.flatMap((level) =>
-    CORNERS.map((corner) => {
-      const [column_px, row_px] = cornerOf(truth, level, corner);
-      return { kind: "place_corner", level, corner, column_px, row_px };
-    }),
-  );
-  const json = { expected_revision: revision, events };
-  await send(page, "POST", `/api/readings/${reading}/events`, json);
+  await film.record(LEVELS, (level, corner) => cornerOf(truth, level, corner));
   await page.reload();
   await film.painted();
   await page.getByTestId("curve").waitFor();

@@ -1,7 +1,7 @@
 import { readFile, readdir } from "node:fs/promises";
 import path from "node:path";
 
-import { expect, runProgram, test, type App } from "../app";
+import { expect, test, type App } from "../app";
 import { KILLED, kept, markFilm, truthOf, type Kept } from "../byclicks";
 import { FilmPage } from "../marking";
 
@@ -42,8 +42,7 @@ async function addCases(app: App, folder: string): Promise<string[]> {
   const names = (await readdir(folder)).filter((name) => name.endsWith(".json")).toSorted();
   expect(names.length, `case files in ${folder}`).toBeGreaterThanOrEqual(COUNT);
   const files = names.slice(0, COUNT).map((name) => path.resolve(folder, name));
-  await app.kill();
-  await runProgram("study", "add", app.store, ...files);
+  await app.addCases(...files);
   await app.start();
   return Promise.all(files.map(caseOf));
 }

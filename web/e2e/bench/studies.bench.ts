@@ -1,11 +1,10 @@
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
-import { tmpdir } from "node:os";
+import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
 
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../../src/api/types";
-import { expect, runProgram, test, type App } from "../app";
+import { expect, test, type App } from "../app";
 import { FilmPage } from "../marking";
 import { get, send } from "../wire";
 import { print, spread } from "./table";
@@ -20,7 +19,6 @@ declare global {
 }
 
 test("fifty studies of five large films", async ({ app, page }) => {
-  await app.kill();
   await fill(app);
   await app.start();
   // Requests before any page has filled the program's caches.
@@ -55,8 +53,7 @@ test("fifty studies of five large films", async ({ app, page }) => {
 
 /** Imports one phantom under many names: its pictures are stored once, its readings each time. */
 async function fill(app: App): Promise<void> {
-  const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-  await runProgram("phantom", "--subject", "1", "--noise", "0", "--films", "--out", folder);
+  const folder = await app.makePhantom("--subject", "1", "--noise", "0");
   const text = await readFile(path.join(folder, `${CASE}.json`), "utf8");
   const files: string[] = [];
   for (let i = 1; i <= STUDIES; i += 1) {
@@ -65,8 +62,7 @@ async function fill(app: App): Promise<void> {
     await writeFile(file, text.replaceAll(`"${CASE}"`, `"${name}"`));
     files.push(file);
   }
-  await runProgram("study", "add", app.store, ...files);
-  await rm(folder, { recursive: true });
+  await app.addCases(...files);
 }
 
 function timed(page: Page): Promise<number> {
