@@ -1,15 +1,9 @@
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
+import { postures } from "../src/shell/words";
 
-/** Synthetic answers for page states that are hard to reach with the program. */
-const POSTURES: Api<"PostureName">[] = [
-  "erect",
-  "left_bending",
-  "right_bending",
-  "neutral",
-  "traction",
-];
+// Synthetic answers for page states that are hard to reach with the program.
 
 export function film(
   number: number,
@@ -54,7 +48,7 @@ export function study(id: string, more: Partial<Api<"StudySummary">> = {}): Api<
     role: "admin",
     status: "to_mark",
     status_text: "no film is marked",
-    films: POSTURES.map((posture, index) => film(index + 1, posture)),
+    films: postures.map((posture, index) => film(index + 1, posture)),
     curve: null,
     warnings: 0,
     contradictions: 0,
@@ -84,13 +78,13 @@ export function manyStudies(count: number): Api<"StudySummary">[] {
     const [status, status_text] = STATUSES[index % STATUSES.length] ?? STATUSES[0]!;
     const size_deg = 22 + ((index * 7.3) % 41);
     const isMeasured = ["modelled", "unsupported", "measured", "not_converged"].includes(status);
-    const postures = index % 4 === 3 ? POSTURES.slice(0, 3) : POSTURES;
+    const filmed = index % 4 === 3 ? postures.slice(0, 3) : postures;
     return study(`S-${String(count - index).padStart(3, "0")}`, {
       label: LABELS[index % LABELS.length] ?? null,
       synthetic: index % 6 === 0,
       status,
       status_text,
-      films: postures.map((posture, place) =>
+      films: filmed.map((posture, place) =>
         film(index * 5 + place, posture, index % 9 === 4 ? "pixels" : undefined),
       ),
       curve: isMeasured
@@ -123,10 +117,10 @@ export async function answerWith(
   );
 }
 
-/** Answers for five files: complete, partial, empty, not a picture, lateral view. */
-export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
-  const film = (upload: string, more: Partial<Api<"UploadView">>): Api<"UploadView"> => ({
-    upload,
+/** The answer for a film that states nothing about its patient. */
+export function upload(id: string, more: Partial<Api<"UploadView">>): Api<"UploadView"> {
+  return {
+    upload: id,
     format: "DICOM, JPEG-LS lossless",
     columns: 2140,
     rows: 4000,
@@ -134,10 +128,14 @@ export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
     is_synthetic: false,
     notices: [],
     ...more,
-  });
+  };
+}
+
+/** Answers for five files: complete, partial, empty, not a picture, lateral view. */
+export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
   const spacing = { column_mm: 0.143, row_mm: 0.143 };
   return [
-    film("u1", {
+    upload("u1", {
       posture: "erect",
       patient_left: "image_right",
       spacing: {
@@ -147,7 +145,7 @@ export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
       },
       is_synthetic: true,
     }),
-    film("u2", {
+    upload("u2", {
       posture: "left_bending",
       spacing: {
         ...spacing,
@@ -162,9 +160,9 @@ export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
         },
       ],
     }),
-    film("u3", { format: "PNG" }),
+    upload("u3", { format: "PNG" }),
     { code: "film", message: "this is not a picture: the format of its first bytes is unknown" },
-    film("u5", { posture: "lateral", patient_left: "image_right" }),
+    upload("u5", { posture: "lateral", patient_left: "image_right" }),
   ];
 }
 

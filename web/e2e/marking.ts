@@ -8,7 +8,8 @@ import { send } from "./wire";
 type ReadingView = Api<"ReadingView">;
 type Corner = Api<"CornerName">;
 
-export const LEVELS = [..."L4 L3 L2 L1 T12 T11 T10 T9 T8 T7 T6 T5 T4 T3 T2".split(" ")] as const;
+export { LEVELS } from "./levels";
+
 export const CORNERS: readonly Corner[] = [
   "superior_left",
   "superior_right",

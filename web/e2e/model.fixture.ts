@@ -1,24 +1,8 @@
 import type { Api } from "../src/api/types";
+import { LEVELS } from "./levels";
 
 type Shape = Api<"Shape">;
 
-const LEVELS = [
-  "L4",
-  "L3",
-  "L2",
-  "L1",
-  "T12",
-  "T11",
-  "T10",
-  "T9",
-  "T8",
-  "T7",
-  "T6",
-  "T5",
-  "T4",
-  "T3",
-  "T2",
-];
 const WIDTHS = [48, 46, 44, 42, 40.5, 37, 33.6, 31.8, 30, 28.4, 27.2, 26, 25.2, 25.2, 26];
 const DEPTHS = [
   35.5, 35.2, 34.6, 34.1, 32.8, 31.9, 30.5, 29.3, 27.9, 27.4, 26, 24.3, 23.3, 22.7, 19.6,
@@ -66,23 +50,24 @@ function path(size: number, bend: number): Shape[] {
   return [0, 0.25, 0.5, 0.75, 1].map((part) => curved(24 + (size - 24) * part, bend * part));
 }
 
-type Posture = Api<"SimulatedPosture">;
+/** The simulated films: the last shape of their path, and their force. */
+const FILMS = [
+  { posture: "left_bending", fitted: true, size: 14, bend: -38, pull: "1.42" },
+  { posture: "right_bending", fitted: true, size: 10, bend: 36, pull: "1.17" },
+  { posture: "neutral", fitted: false, size: 17, bend: 2, pull: "0.40" },
+  { posture: "traction", fitted: false, size: 9, bend: 1, pull: "1.90" },
+] as const;
 
-function posture(
-  name: Posture["posture"],
-  fitted: boolean,
-  shapes: Shape[],
-  force: string,
-  shift: number,
-): Posture {
-  const last = shapes.at(-1)!;
-  const top = last.midpoints_mm[14]!;
+function simulated(film: (typeof FILMS)[number], shift: number): Api<"SimulatedPosture"> {
+  const { posture, fitted } = film;
+  const shapes = path(film.size + shift, film.bend);
+  const top = shapes.at(-1)!.midpoints_mm[14]!;
   return {
-    posture: name,
+    posture,
     fitted,
     converged: true,
     status_text: "converged, residual 3·10⁻¹⁰ N·mm",
-    force_text: force,
+    force_text: `pull of ${film.pull} at the gauge, up along the line`,
     line_point_mm: [top[0]!, top[1]! * (0.6 - shift / 20), top[2]!],
     line_direction: [0, Math.sin(0.12 + shift / 30), Math.cos(0.12 + shift / 30)],
     path: shapes,
@@ -92,7 +77,7 @@ function posture(
     })),
     mean_error_mm: fitted ? 1.6 : 3.4,
     contradictions:
-      name === "left_bending" ? ["T8/T7 turns against the force on the left bending film"] : [],
+      posture === "left_bending" ? ["T8/T7 turns against the force on the left bending film"] : [],
   };
 }
 
@@ -129,36 +114,7 @@ function line(kind: Api<"LineKindName">, label: string, shift: number): Api<"Lin
       },
     ],
     joints,
-    postures: [
-      posture(
-        "left_bending",
-        true,
-        path(14 + shift, -38),
-        "pull of 1.42 at the gauge, up along the line",
-        shift,
-      ),
-      posture(
-        "right_bending",
-        true,
-        path(10 + shift, 36),
-        "pull of 1.17 at the gauge, up along the line",
-        shift,
-      ),
-      posture(
-        "neutral",
-        false,
-        path(17 + shift, 2),
-        "pull of 0.40 at the gauge, up along the line",
-        shift,
-      ),
-      posture(
-        "traction",
-        false,
-        path(9 + shift, 1),
-        "pull of 1.90 at the gauge, up along the line",
-        shift,
-      ),
-    ],
+    postures: FILMS.map((film) => simulated(film, shift)),
     fitted_error_mm: 1.6 + shift / 4,
     held_out_error_mm: 3.4 + shift / 2,
   };

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 
+import { upload } from "../../e2e/made";
 import type { Api } from "../api/types";
 import {
   answersOf,
@@ -11,18 +12,7 @@ import {
   postureInName,
 } from "./draft";
 
-function view(more: Partial<Api<"UploadView">> = {}): Api<"UploadView"> {
-  return {
-    upload: "u1",
-    format: "DICOM",
-    columns: 100,
-    rows: 200,
-    pixel_aspect: 1,
-    is_synthetic: false,
-    notices: [],
-    ...more,
-  };
-}
+const view = (more: Partial<Api<"UploadView">> = {}): Api<"UploadView"> => upload("u1", more);
 
 const SPACING = {
   column_mm: 0.143,

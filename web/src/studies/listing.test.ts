@@ -1,23 +1,7 @@
 import { describe, expect, it } from "vitest";
 
+import { study } from "../../e2e/made";
 import { chosen, scaleTrouble, type Choice, type Study } from "./listing";
-
-function study(id: string, more: Partial<Study> = {}): Study {
-  return {
-    id,
-    synthetic: false,
-    archived: false,
-    revision: 0,
-    role: "admin",
-    status: "to_mark",
-    status_text: "no film is marked",
-    films: [],
-    warnings: 0,
-    contradictions: 0,
-    changed_ms: 0,
-    ...more,
-  };
-}
 
 const STUDIES = [
   study("S-2", { label: "Pilot <b>cohort</b>", changed_ms: 3 }),
