@@ -9,10 +9,11 @@ import {
   Mesh,
   MeshPhongMaterial,
   SphereGeometry,
+  Vector3,
   type Material,
 } from "three";
 
-import { at, placed, type BodySize, type Shape } from "../shapes";
+import { at, placed, type BodySize, type Point, type Shape } from "../shapes";
 import { archGeometry, bendDisc, bodyGeometry, discGeometry, rimGeometry } from "./vertebra";
 
 /** Kind of a spine in the picture. */
@@ -52,26 +53,12 @@ export class Parts {
 
 /** The placement of a vertebra: its rotation is given row by row, and its columns are the vertebra's own axes. */
 export function placement(shape: Shape, index: number): Matrix4 {
-  const r = at(shape.rotations, index);
-  const p = at(shape.midpoints_mm, index);
-  return new Matrix4().set(
-    r[0]!,
-    r[1]!,
-    r[2]!,
-    p[0]!,
-    r[3]!,
-    r[4]!,
-    r[5]!,
-    p[1]!,
-    r[6]!,
-    r[7]!,
-    r[8]!,
-    p[2]!,
-    0,
-    0,
-    0,
-    1,
-  );
+  const turn = at(shape.rotations, index);
+  const axis = (column: number): Vector3 =>
+    new Vector3(at(turn, column), at(turn, column + 3), at(turn, column + 6));
+  return new Matrix4()
+    .makeBasis(axis(0), axis(1), axis(2))
+    .setPosition(...(at(shape.midpoints_mm, index) as Point));
 }
 
 /** How one spine is drawn. */

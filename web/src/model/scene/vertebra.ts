@@ -45,23 +45,28 @@ export function rimPoints(body: BodySize): [number, number][] {
   return points;
 }
 
-/** The body in its own axes: x anterior, y left, z cranial, its midpoint at zero. */
-export function bodyGeometry(body: BodySize): BufferGeometry {
-  const positions: number[] = [];
+/** A surface through rings of points, the lowest first. */
+function ringed(rings: number, positions: number[] | Float32Array): BufferGeometry {
   const indices: number[] = [];
-  PROFILE.forEach(([height, width], ring) => {
+  for (let ring = 1; ring < rings; ring += 1) {
     for (let step = 0; step < AROUND; step += 1) {
-      const [x, y] = at(rimPoints(body), step);
-      positions.push(x * width, y * width, (height * body.height_mm) / 2);
-      if (ring === 0) continue;
       const next = (step + 1) % AROUND;
       const [low, high] = [(ring - 1) * AROUND, ring * AROUND];
       indices.push(low + step, low + next, high + next, low + step, high + next, high + step);
     }
-  });
+  }
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(positions, 3));
   geometry.setIndex(indices);
+  return geometry;
+}
+
+/** The body in its own axes: x anterior, y left, z cranial, its midpoint at zero. */
+export function bodyGeometry(body: BodySize): BufferGeometry {
+  const positions = PROFILE.flatMap(([height, width]) =>
+    rimPoints(body).flatMap(([x, y]) => [x * width, y * width, (height * body.height_mm) / 2]),
+  );
+  const geometry = ringed(PROFILE.length, positions);
   geometry.computeVertexNormals();
   return geometry;
 }
@@ -136,21 +141,8 @@ function strut(from: Point, to: Point, across: number, along: number): BufferGeo
 }
 
 /** The disc between two bodies: rings from the lower endplate to the upper one, to be filled by `bendDisc`. */
-export function discGeometry(): BufferGeometry {
-  const indices: number[] = [];
-  for (let ring = 1; ring < DISC_RINGS.length; ring += 1) {
-    for (let step = 0; step < AROUND; step += 1) {
-      const next = (step + 1) % AROUND;
-      const [low, high] = [(ring - 1) * AROUND, ring * AROUND];
-      indices.push(low + step, low + next, high + next, low + step, high + next, high + step);
-    }
-  }
-  const geometry = new BufferGeometry();
-  const zeros = new Float32Array(DISC_RINGS.length * AROUND * 3);
-  geometry.setAttribute("position", new Float32BufferAttribute(zeros, 3));
-  geometry.setIndex(indices);
-  return geometry;
-}
+export const discGeometry = (): BufferGeometry =>
+  ringed(DISC_RINGS.length, new Float32Array(DISC_RINGS.length * AROUND * 3));
 
 /** Height between the endplates (0 to 1) and width relative to the rims: the disc bulges slightly. */
 const DISC_RINGS: readonly [number, number][] = [
