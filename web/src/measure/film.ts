@@ -86,7 +86,7 @@ async function received(response: Response, arrived?: (part: number) => void): P
   }
 }
 
-export function pictureOf(headers: Headers, bytes: Uint8Array): FilmPicture {
+function pictureOf(headers: Headers, bytes: Uint8Array): FilmPicture {
   const number = (name: string): number => numberIn(headers, name);
   const [columns, rows, size] = [number("columns"), number("rows"), sizeOf(headers)];
   if (columns < 1 || rows < 1 || bytes.length !== size) {

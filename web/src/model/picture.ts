@@ -1,19 +1,29 @@
-import { onScale } from "./colour";
+import { onScale, stiffnessStops, themeColour } from "./colour";
 import { hasStiffness, type Choice } from "./choice.svelte";
 import type { HandLoad } from "./load.svelte";
 import type { LineDrawn, Picture } from "./scene/stage";
 import type { Point } from "./shapes";
 import { lineToken } from "./words";
 
+/** A picture of one spine, without its shape. */
+export const ALONE: Omit<Picture, "main"> = {
+  layout: "one",
+  other: null,
+  discs: null,
+  contradicted: [],
+  chosenJoint: null,
+  chosenLevel: null,
+  lines: [],
+  force: null,
+  load: null,
+};
+
 /** Picture of a choice. */
-export function pictureOf(
-  choice: Choice,
-  load: HandLoad,
-  theme: (token: string) => string,
-  stops: readonly string[],
-): Picture {
+export function pictureOf(choice: Choice, load: HandLoad): Picture {
   const { line, view } = choice;
+  const stops = stiffnessStops();
   const common = {
+    ...ALONE,
     discs:
       line && hasStiffness(line)
         ? line.joints.map((joint) => onScale(stops, joint.relative))
@@ -29,10 +39,7 @@ export function pictureOf(
         ? { shape: answer.shape, tone: answer.converged ? "simulated" : "not_a_result" }
         : { shape: view.erect, tone: "erect" },
       other: answer ? { shape: view.erect, tone: "erect" } : null,
-      contradicted: [],
       chosenLevel: load.index,
-      lines: [],
-      force: null,
       load: { from: load.from, tip: load.tip },
     };
   }
@@ -49,15 +56,13 @@ export function pictureOf(
     other: measured && hasShape ? { shape: measured, tone: "measured" } : null,
     contradicted:
       line?.joints.map((joint) => joint.contradicted_in.some((film) => film === posture)) ?? [],
-    chosenLevel: null,
-    lines: linesOf(choice, theme),
+    lines: linesOf(choice),
     force: simulated?.converged ? simulated.force_text : null,
-    load: null,
   };
 }
 
 /** The chosen line, and the others that have a result. */
-function linesOf(choice: Choice, theme: (token: string) => string): LineDrawn[] {
+function linesOf(choice: Choice): LineDrawn[] {
   return choice.view.lines.flatMap((line) => {
     const film = line.postures.find((one) => one.posture === choice.posture);
     const isChosen = line.kind === choice.kind;
@@ -65,7 +70,7 @@ function linesOf(choice: Choice, theme: (token: string) => string): LineDrawn[] 
     return {
       point: film.line_point_mm as Point,
       direction: film.line_direction as Point,
-      colour: theme(lineToken(line.kind)),
+      colour: themeColour(lineToken(line.kind)),
       isChosen,
     };
   });
