@@ -116,20 +116,25 @@ export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | n
   return corner ? filmPoint(corner.px) : null;
 }
 
+/** The corners of a level. */
+const cornersAt = (level: string, corners: readonly Corner[]): Landmark[] =>
+  corners.map((corner) => ({ kind: "corner", level, corner }));
+
+/** The walls or the pedicles of a level. */
+const sidesAt = (level: string, kind: "wall" | "pedicle"): Landmark[] =>
+  SIDES.map((side) => ({ kind, level, side }));
+
+const BOTH_CRESTS = SIDES.map((side): Landmark => ({ kind: "crest", side }));
+
 /** All placed landmarks in cranial order, in which the keys go through them. */
 export function landmarksOf(reading: ReadingView): Landmark[] {
   const vertebrae = reading.vertebrae.flatMap(({ level, corners, axis }): Landmark[] => [
-    ...(corners.length === 0 ? placedOf(reading, "wall", level) : []),
-    ...CORNERS.filter((name) => corners.some(({ corner }) => corner === name)).map(
-      (corner): Landmark => ({ kind: "corner", level, corner }),
-    ),
-    ...placedOf(reading, "pedicle", level),
+    ...(corners.length === 0 ? sidesAt(level, "wall") : []),
+    ...cornersAt(level, CORNERS),
+    ...sidesAt(level, "pedicle"),
     ...(axis ? [{ kind: "axis", level } as const] : []),
   ]);
-  const crests = SIDES.map((side): Landmark => ({ kind: "crest", side })).filter(
-    (landmark) => placeOf(reading, landmark) !== null,
-  );
-  return [...vertebrae, ...crests];
+  return [...vertebrae, ...BOTH_CRESTS].filter((landmark) => placeOf(reading, landmark) !== null);
 }
 
 /** The landmark before or after the selected one; undefined at the ends. */
@@ -141,13 +146,6 @@ export function landmarkBeside(
   const landmarks = landmarksOf(reading);
   const now = landmarks.findIndex((landmark) => sameLandmark(landmark, selected));
   return landmarks[now < 0 ? (by > 0 ? 0 : landmarks.length - 1) : now + by];
-}
-
-/** The placed walls or pedicles of a level. */
-function placedOf(reading: ReadingView, kind: "wall" | "pedicle", level: string): Landmark[] {
-  return SIDES.map((side): Landmark => ({ kind, level, side })).filter(
-    (landmark) => placeOf(reading, landmark) !== null,
-  );
 }
 
 /** The event that places a landmark. */
@@ -180,32 +178,27 @@ export function fresh(reading: ReadingView, event: Event): Event {
   return placing(reading, landmark, [event.column_px, event.row_px]);
 }
 
+/** The first landmark without a place. */
+const firstMissing = (reading: ReadingView, landmarks: readonly Landmark[]): Landmark | null =>
+  landmarks.find((landmark) => placeOf(reading, landmark) === null) ?? null;
+
 /** The next missing corner of a level; null when its four corners exist. */
-export function missingCorner(reading: ReadingView, level: string): Landmark | null {
-  const placed = reading.vertebrae.find((vertebra) => vertebra.level === level)?.corners ?? [];
-  const corner = cornersOf(reading).find((name) => !placed.some(({ corner }) => corner === name));
-  return corner ? { kind: "corner", level, corner } : null;
-}
+export const missingCorner = (reading: ReadingView, level: string): Landmark | null =>
+  firstMissing(reading, cornersAt(level, cornersOf(reading)));
 
 /** The next missing wall of a level; null when both exist, or one of its corners does. */
 export function missingWall(reading: ReadingView, level: string): Landmark | null {
   const vertebra = reading.vertebrae.find((one) => one.level === level);
-  if (vertebra && vertebra.corners.length > 0) return null;
-  const walls = SIDES.map((side): Landmark => ({ kind: "wall", level, side }));
-  return walls.find((landmark) => placeOf(reading, landmark) === null) ?? null;
+  return vertebra?.corners.length ? null : firstMissing(reading, sidesAt(level, "wall"));
 }
 
 /** The next missing pedicle of a level; null when both exist. */
-export function missingPedicle(reading: ReadingView, level: string): Landmark | null {
-  const pedicles = SIDES.map((side): Landmark => ({ kind: "pedicle", level, side }));
-  return pedicles.find((landmark) => placeOf(reading, landmark) === null) ?? null;
-}
+export const missingPedicle = (reading: ReadingView, level: string): Landmark | null =>
+  firstMissing(reading, sidesAt(level, "pedicle"));
 
 /** The next missing crest; null when both exist. */
-export function missingCrest(reading: ReadingView): Landmark | null {
-  const landmarks = SIDES.map((side): Landmark => ({ kind: "crest", side }));
-  return landmarks.find((landmark) => placeOf(reading, landmark) === null) ?? null;
-}
+export const missingCrest = (reading: ReadingView): Landmark | null =>
+  firstMissing(reading, BOTH_CRESTS);
 
 export function nextLandmark(reading: ReadingView, way: Way): Landmark | null {
   return (way === "walls" ? reading.next_by_walls : reading.next) ?? null;
