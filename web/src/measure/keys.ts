@@ -1,4 +1,5 @@
 import { act, changeKeys, type Actions } from "../shell/keys.svelte";
+import { LAYERS, layers } from "../understand/layers.svelte";
 import type { Drawing } from "./drawing.svelte";
 import type { Marking } from "./marking.svelte";
 import { placeOf, type Landmark } from "./landmarks";
@@ -15,7 +16,6 @@ export interface KeyTargets {
   /** Places a landmark at the crosshair. */
   placeAt(at: FilmPoint): void;
   invert(): void;
-  toggleLayer(number: number): void;
   /** Whether lengths and angles can be measured: not in a blinded reading. */
   canDraw: boolean;
   /** Keys of the page around the film. */
@@ -85,7 +85,12 @@ function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
     viewer.tool = viewer.tool === tool ? "mark" : tool;
   };
   const measures = targets.canDraw ? { d: toggle("length"), g: toggle("angle") } : {};
-  const layer = (number: number) => () => targets.toggleLayer(number);
+  const ofLayers: Actions = Object.fromEntries(
+    LAYERS.map(({ name }, index) => [
+      index + 1,
+      () => void (layers.shown[name] = !layers.shown[name]),
+    ]),
+  );
   return {
     "+": () => viewer.zoomBy(ZOOM),
     "=": () => viewer.zoomBy(ZOOM),
@@ -97,14 +102,7 @@ function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
     q: () => viewer.turn(),
     m: () => viewer.mirror(),
     ...measures,
-    1: layer(1),
-    2: layer(2),
-    3: layer(3),
-    4: layer(4),
-    5: layer(5),
-    6: layer(6),
-    7: layer(7),
-    8: layer(8),
+    ...ofLayers,
     ...targets.more,
     i: () => targets.invert(),
     l: () => (viewer.loupe = !viewer.loupe),

@@ -10,18 +10,10 @@ const POSTURES: Words<Api<"PostureName">> = {
   traction: "Traction",
 };
 
-const SHORT_POSTURES: Words<Api<"PostureName">> = {
-  erect: "Erect",
-  left_bending: "Left",
-  right_bending: "Right",
-  neutral: "Neutral",
-  traction: "Traction",
-};
-
 /** The lateral film comes last. */
 const VIEWS: Words<Api<"FilmViewName">> = { ...POSTURES, lateral: "Lateral" };
 
-const SHORT_VIEWS: Words<Api<"FilmViewName">> = { ...SHORT_POSTURES, lateral: "Lateral" };
+const SHORT_VIEWS: typeof VIEWS = { ...VIEWS, left_bending: "Left", right_bending: "Right" };
 
 const SIDES: Words<Api<"SideName">> = { left: "patient's left", right: "patient's right" };
 

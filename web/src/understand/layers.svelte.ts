@@ -10,26 +10,9 @@ export const LAYERS = [
   { name: "erect", label: "Erect film beside" },
 ] as const;
 
-export type LayerName = (typeof LAYERS)[number]["name"];
+type LayerName = (typeof LAYERS)[number]["name"];
 
 /** Which layers are shown; the same on every film. */
-class Layers {
-  shown = $state<Record<LayerName, boolean>>({
-    axes: true,
-    curve: true,
-    residuals: true,
-    inflections: true,
-    least: true,
-    cobb: true,
-    lines: true,
-    erect: true,
-  });
-
-  /** By the number of its key. */
-  toggle(number: number): void {
-    const layer = LAYERS[number - 1];
-    if (layer) this.shown[layer.name] = !this.shown[layer.name];
-  }
-}
-
-export const layers = new Layers();
+export const layers = $state({
+  shown: Object.fromEntries(LAYERS.map(({ name }) => [name, true])) as Record<LayerName, boolean>,
+});
