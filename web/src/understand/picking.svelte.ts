@@ -1,5 +1,6 @@
 import { changeOptions, readOptions } from "../api/options";
 import type { Api } from "../api/types";
+import { Attempt } from "../shell/attempt.svelte";
 
 const OPTION = "inflections";
 
@@ -13,8 +14,8 @@ export class Picking {
   listsOpen = $state(false);
   lower = $state("");
   upper = $state("");
-  busy = $state(false);
-  problem = $state.raw<unknown>(null);
+  /** The last change. */
+  readonly attempt = new Attempt();
   /** Earlier values, the last one last. */
   #before = $state.raw<string[]>([]);
 
@@ -43,12 +44,12 @@ export class Picking {
     this.active = true;
     this.lower = "";
     this.upper = "";
-    this.problem = null;
+    this.attempt.error = null;
   }
 
   cancel(): void {
     this.active = false;
-    this.problem = null;
+    this.attempt.error = null;
     this.#follow();
   }
 
@@ -75,25 +76,20 @@ export class Picking {
   }
 
   async #save(value: string): Promise<boolean> {
-    if (!this.#view) return false;
-    this.busy = true;
-    this.problem = null;
-    try {
-      const change = { expected_revision: this.#view.revision, reset: false };
-      const options = [{ name: OPTION, value }];
-      this.#view = await changeOptions(this.study, { ...change, options });
+    const view = this.#view;
+    if (!view) return false;
+    const options = [{ name: OPTION, value }];
+    const change = { expected_revision: view.revision, reset: false, options };
+    return this.attempt.run(async () => {
+      this.#view = await changeOptions(this.study, change).catch(async (refusal: unknown) => {
+        // Somebody else may have changed the options.
+        this.#view = await readOptions(this.study).catch(() => this.#view);
+        throw refusal;
+      });
       this.active = false;
       this.#follow();
       this.onchange();
-      return true;
-    } catch (error) {
-      this.problem = error;
-      // Somebody else may have changed the options.
-      this.#view = await readOptions(this.study).catch(() => this.#view);
-      return false;
-    } finally {
-      this.busy = false;
-    }
+    });
   }
 
   #follow(): void {
