@@ -20,6 +20,20 @@ export function themeColour(token: string): string {
   return colour;
 }
 
+/** Colours of the theme that a picture in 3D needs; outlines and joints have the one of what is measured. */
+export const palette = () => ({
+  bone: themeColour("--bone"),
+  boneSimulated: themeColour("--bone-simulated"),
+  boneDoubtful: themeColour("--bone-doubtful"),
+  measured: themeColour("--measured"),
+  contradiction: themeColour("--contradiction"),
+  force: themeColour("--force"),
+  quiet: themeColour("--line-strong"),
+  line: themeColour("--line"),
+  background: themeColour("--bg"),
+});
+export type Palette = ReturnType<typeof palette>;
+
 export function stiffnessStops(): string[] {
   return STIFFNESS_TOKENS.map(themeColour);
 }

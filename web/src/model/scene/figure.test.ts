@@ -2,8 +2,9 @@ import { Mesh, MeshPhongMaterial, Vector3 } from "three";
 import { expect, it } from "vitest";
 
 import { spine } from "../../../e2e/model.fixture";
+import type { Palette } from "../colour";
 import { at, corner, type BodySize, type Point } from "../shapes";
-import { Figure, Parts, placement, type Palette } from "./figure";
+import { Figure, Parts, placement } from "./figure";
 import { archGeometry, bendDisc, bodyGeometry, discGeometry } from "./vertebra";
 
 const BODY: BodySize = { level: "T7", width_mm: 30, depth_mm: 20, height_mm: 10 };

@@ -13,25 +13,12 @@ import {
   type Material,
 } from "three";
 
+import type { Palette } from "../colour";
 import { at, placed, type BodySize, type Point, type Shape } from "../shapes";
 import { archGeometry, bendDisc, bodyGeometry, discGeometry, rimGeometry } from "./vertebra";
 
 /** Kind of a spine in the picture. */
 export type Tone = "erect" | "measured" | "simulated" | "not_a_result";
-
-/** Colours of the theme that the picture needs. */
-export interface Palette {
-  bone: string;
-  boneSimulated: string;
-  boneDoubtful: string;
-  /** Outlines and joints. */
-  measured: string;
-  contradiction: string;
-  force: string;
-  quiet: string;
-  line: string;
-  background: string;
-}
 
 /** Geometries of all levels, shared by the spines of a picture. */
 export class Parts {

@@ -1,8 +1,9 @@
 import { Vector3, type Camera } from "three";
 
+import type { Palette } from "../colour";
 import { at, placed, type BodySize, type Point, type Shape } from "../shapes";
 import { HEAD_GIRTH, HIDDEN, type Arrow, type Rod } from "./arrow";
-import { boneColour, type Palette, type Tone } from "./figure";
+import { boneColour, type Tone } from "./figure";
 import { hull, type Place } from "./hull";
 import { rimPoints } from "./vertebra";
 

@@ -15,9 +15,10 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
+import type { Palette } from "../colour";
 import { at, type BodySize, type Point, type Shape } from "../shapes";
 import { Arrow, Rod } from "./arrow";
-import { Figure, Parts, placement, type FigureStyle, type Palette, type Tone } from "./figure";
+import { Figure, Parts, placement, type FigureStyle, type Tone } from "./figure";
 import { Ground } from "./ground";
 import { Labels, type Label } from "./labels";
 import { PRESETS, lookOf, type Look, type Preset } from "./looks";
