@@ -37,10 +37,10 @@ fn killed_at(step: usize, folder: &Path) -> bool {
 
 /// A store with acknowledged changes in its log, and an earlier backup.
 fn prepare(folder: &Path) -> [String; 2] {
-    let mut store = session::after(&folder.join("source"), 8);
+    let mut store = session::create_after(&folder.join("source"), 8);
     assert!(store.backup_to(&folder.join("backup")).expect("a backup").is_clean());
     let earlier = session::fingerprint(&store);
-    session::take(&mut store, 8..session::STEPS);
+    session::run_steps(&mut store, 8..session::STEPS);
     for end in ["", "-wal", "-head"] {
         let from = folder.join(format!("source{end}"));
         fs::copy(from, folder.join(format!("store{end}"))).expect("a copy");
@@ -119,7 +119,7 @@ fn a_store_beside_another_log_is_restored_at_any_kill_and_the_log_is_kept() {
 
 #[test]
 fn a_store_in_use_another_file_and_a_damaged_backup_change_nothing() {
-    let (folder, store) = session::new_store();
+    let (folder, store) = session::folder_with_new_store();
     let at = |name: &str| folder.path().join(name);
     assert!(store.backup_to(&at("backup")).expect("a backup").is_clean());
     let refused = Store::restore(&at("backup"), &at("store"));
@@ -168,7 +168,7 @@ fn a_missing_a_damaged_and_an_empty_store_are_restored() {
 
 #[test]
 fn what_a_killed_backup_leaves_does_not_block_the_next_one() {
-    let (folder, store) = session::new_store();
+    let (folder, store) = session::folder_with_new_store();
     let at = |name: &str| folder.path().join(name);
     let whole = fs::read(at("store")).expect("bytes");
     for (number, left) in [&b""[..], b"half", &whole].into_iter().enumerate() {

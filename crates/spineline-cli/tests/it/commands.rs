@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::Value;
 
 use crate::program::{
-    CASE, Here, assert_says, folder, json, line, with_phantom, with_phantoms, words,
+    CASE, Here, assert_says, folder, json, split, unwrapped, with_phantom, with_phantoms,
 };
 use crate::results::results;
 
@@ -13,20 +13,21 @@ use crate::results::results;
 fn every_command_has_a_help_text() {
     let here = folder();
     let text = here.done(&["--help"]);
-    for word in [
-        "reproduce",
-        "analyze",
-        "check",
-        "phantom",
-        "simulate",
-        "schema",
-        "completions",
-        "Validate case files and list warnings",
-        "Manage user accounts and study permissions",
-        "not a medical device",
-    ] {
-        assert!(text.contains(word), "{word}");
-    }
+    assert_says(
+        &text,
+        &[
+            "reproduce",
+            "analyze",
+            "check",
+            "phantom",
+            "simulate",
+            "schema",
+            "completions",
+            "Validate case files and list warnings",
+            "Manage user accounts and study permissions",
+            "not a medical device",
+        ],
+    );
     assert_eq!(here.run(&["analyze"]).2, 2, "nothing to analyse is a wrong call");
     assert_eq!(here.run(&["analyse"]).2, 2, "an unknown word is a wrong call");
     assert!(here.run(&["completions", "bash"]).0.contains("spineline"));
@@ -74,7 +75,7 @@ fn a_phantom_is_made_checked_and_analysed() {
     assert!(text.contains("phantom-rod-01 · SYNTHETIC"), "{text}");
     let text = here.done(&["analyze", "cases", "--support", "frontal", "--full"]);
     assert_says(
-        &words(&text),
+        &unwrapped(&text),
         &[
             "SYNTHETIC",
             "inflection line",
@@ -88,7 +89,7 @@ fn a_phantom_is_made_checked_and_analysed() {
 #[test]
 fn the_json_has_its_documented_keys() {
     let here = with_phantom(&[]);
-    let (text, _, _) = here.run(&["analyze", "cases/phantom-rod-01.json", "--json", "-"]);
+    let (text, _, _) = here.run(&["analyze", CASE, "--json", "-"]);
     let json = json(&text);
     for pointer in [
         "/chain/segments",
@@ -139,7 +140,10 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
 
     let (text, _, _) = with(&["--replicates", "20", "--full"]);
     let counted = "20 replicates, seed 1; 0 of them failed";
-    assert_says(&words(&text), &[counted, "readings of this case", "95 % interval", "Cobb angle"]);
+    assert_says(
+        &unwrapped(&text),
+        &[counted, "readings of this case", "95 % interval", "Cobb angle"],
+    );
     assert!(!with(&[]).0.contains("replicates"));
     assert_eq!(with(&["--noise", "2"]).2, 2, "noise without replicates does nothing");
     assert_eq!(with(&["--replicates", "20", "--noise", "-2"]).2, 2);
@@ -197,7 +201,7 @@ fn a_cohort_is_the_same_for_any_number_of_threads() {
 #[test]
 fn tables_models_and_figures_are_written_completely() {
     let here = with_phantom(&["--scenario", "rod", "--subject", "3"]);
-    let arguments = line(
+    let arguments = split(
         "analyze cases/phantom-rod-03.json --csv out/rows.csv --model out/model.json \
          --model-line estimated --figures out/figures --json out/analysis.json",
     );
@@ -252,7 +256,7 @@ fn wrong_options_are_refused_with_the_valid_ones() {
 fn a_known_force_makes_forces_absolute() {
     let here = with_phantom(&[]);
     let arguments =
-        line("analyze cases --json - --gauge known-force:traction=120 --support frontal");
+        split("analyze cases --json - --gauge known-force:traction=120 --support frontal");
     let (text, _, _) = here.run(&arguments);
     let json = json(&text);
     let model = &json["models"]["inflection_line"];
@@ -265,7 +269,7 @@ fn a_known_force_makes_forces_absolute() {
 fn a_given_line_and_given_inflections_are_used() {
     let here = with_phantom(&["--scenario", "pull", "--subject", "1"]);
     let arguments =
-        line("analyze cases --json - --inflections L1/T12,T6 --given-line left_bending=0,300,-90");
+        split("analyze cases --json - --inflections L1/T12,T6 --given-line left_bending=0,300,-90");
     let (text, error, _) = here.run(&arguments);
     let json = json(&text);
     assert!(error.contains("chosen by hand"), "{error}");
@@ -276,7 +280,7 @@ fn a_given_line_and_given_inflections_are_used() {
     assert_eq!(vertebra["vertebra"], "T6");
     let by_hand = ["analyze", "cases", "--inflections", "L1/T12,T6"];
     let shown = here.run(&by_hand).0;
-    assert!(words(&shown).contains("Inflections: L1/T12 and T6."), "{shown}");
+    assert!(unwrapped(&shown).contains("Inflections: L1/T12 and T6."), "{shown}");
     here.done(&[&by_hand[..], &["--tables", "tables"]].concat());
     let patients = here.text("tables/patients.csv");
     let rows: Vec<Vec<&str>> = patients.lines().map(|row| row.split(',').collect()).collect();
@@ -290,8 +294,7 @@ fn a_given_line_and_given_inflections_are_used() {
 #[test]
 fn a_model_is_exported_for_three_engines_and_unknown_formats_are_refused() {
     let here = with_phantom(&[]);
-    let case = "cases/phantom-rod-01.json";
-    here.done(&["analyze", case, "--model", "model.json"]);
+    here.done(&["analyze", CASE, "--model", "model.json"]);
     for (format, root) in [("mjcf", "<mujoco "), ("osim", "<OpenSimDocument "), ("urdf", "<robot ")]
     {
         let text = here.done(&["export", "model.json", "--to", format]);
@@ -302,8 +305,8 @@ fn a_model_is_exported_for_three_engines_and_unknown_formats_are_refused() {
     }
     let error = here.refused(&["export", "model.json", "--to", "sdf"], 2);
     assert!(error.contains("sdf") && error.contains("mjcf, osim, sto, loads, urdf"), "{error}");
-    let error = here.refused(&["export", case, "--to", "mjcf"], 3);
-    assert!(error.contains(case) && error.contains("spineline-model"), "{error}");
+    let error = here.refused(&["export", CASE, "--to", "mjcf"], 3);
+    assert!(error.contains(CASE) && error.contains("spineline-model"), "{error}");
     let text = here.text("model.json");
     let wrong = text.replacen("\"case_id\": \"", "\"case_id\": \"\\u0007", 1);
     here.write("wrong.json", wrong);

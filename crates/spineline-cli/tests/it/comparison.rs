@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::program::{self, assert_says, line, with_phantom, with_phantoms, words};
+use crate::program::{self, assert_says, split, unwrapped, with_phantom, with_phantoms};
 use crate::results::results;
 
 /// The case of the second patient.
@@ -12,7 +12,7 @@ const SECOND: &str = "cases/phantom-rod-02.json";
 fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
     let here = with_phantom(&["--scenario", "bend", "--subject", "1"]);
     let (text, error, _) = here.run(&["analyze", "cases/phantom-bend-01.json", "--full"]);
-    let text = words(&text);
+    let text = unwrapped(&text);
     for word in [
         "Every line on the films with a result",
         "fitted bends inflection line",
@@ -54,7 +54,7 @@ fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
     let arguments = ["analyze", "cases", "--cohort", "all.json", "--threads", "2", "--full"];
     let text = here.wrote(&arguments);
     // Heads and names of rows may be broken; a test of `spineline-report` reads them whole.
-    let text = words(&text);
+    let text = unwrapped(&text);
     assert_says(
         &text,
         &[
@@ -111,7 +111,7 @@ fn films_without_a_result_are_named_with_line_and_reason() {
         }
     });
     let text = here.wrote(&["analyze", "cases", "--cohort", "all.json", "--full"]);
-    assert!(words(&text).contains("Films on which a line has no result"), "{text}");
+    assert!(unwrapped(&text).contains("Films on which a line has no result"), "{text}");
     let json = here.json("all.json");
     let left_out = json["films_without_result"].as_array().expect("films");
     assert_eq!(left_out.len(), 18, "three lines on two films of three kinds: {left_out:?}");
@@ -144,9 +144,9 @@ fn a_doubted_film_and_a_shorter_chain_are_named_in_the_files_of_a_cohort() {
     films[1]["readings"] = readings;
     let posture = films[1]["posture"].clone();
     here.write(SECOND, case.to_string());
-    let arguments = line("analyze cases --full --cohort all.json --tables tables --threads 1");
+    let arguments = split("analyze cases --full --cohort all.json --tables tables --threads 1");
     let text = here.wrote(&arguments);
-    let text = words(&text);
+    let text = unwrapped(&text);
     let counts = "1 patient from L4 to T2 and 1 patient from L4 to T4";
     assert!(text.contains(counts) && text.contains("Films of 1 of 2 patients"), "{text}");
     let json = here.json("all.json");
@@ -194,7 +194,7 @@ fn a_refused_patient_is_named_with_its_reason_in_every_output() {
         case["films"].as_array_mut().expect("films").retain(|film| film["posture"] != "erect");
     });
     here.write("cases/torn.json", "{ \"format\": \"spineline-case\",");
-    let arguments = line(
+    let arguments = split(
         "analyze cases --json all.json --cohort cohort.json --csv all.csv --chain chain.csv --tables tables",
     );
     let (text, _, code) = here.run(&arguments);

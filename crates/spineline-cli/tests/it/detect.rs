@@ -1,6 +1,14 @@
 //! `spineline detect`: films to cases of proposals, and films that show no spine.
 
-use crate::program::{folder, json, line};
+use crate::program::{CASE, Here, json, with_phantom};
+
+/// The erect film of the phantom.
+const ERECT: &str = "cases/phantom-rod-01-erect.dcm";
+
+/// A folder with the phantom and its films.
+fn with_films() -> Here {
+    with_phantom(&["--subject", "1", "--films", "--pixel-size", "2"])
+}
 
 /// A grey picture without anything in it.
 fn blank(columns: u32, rows: u32) -> Vec<u8> {
@@ -15,10 +23,8 @@ fn blank(columns: u32, rows: u32) -> Vec<u8> {
 
 #[test]
 fn a_synthetic_film_becomes_a_case_of_unreviewed_corners() {
-    let here = folder();
-    here.done(&line("phantom --scenario rod --subject 1 --films --pixel-size 2 --out p"));
-    let film = "p/phantom-rod-01-erect.dcm";
-    let text = here.done(&["detect", film, "--posture", "erect", "--out", "found"]);
+    let here = with_films();
+    let text = here.done(&["detect", ERECT, "--posture", "erect", "--out", "found"]);
     // The networks were not trained on drawn films: the levels are not certain.
     assert!(text.contains("found/detected-01.json") && text.contains("check the levels"), "{text}");
     let file = here.text("found/detected-01.json");
@@ -35,18 +41,16 @@ fn a_synthetic_film_becomes_a_case_of_unreviewed_corners() {
     let checked = here.done(&["check", "found/detected-01.json"]);
     assert!(checked.contains("no person has accepted or moved them"), "{checked}");
     // The same film, the same bytes.
-    here.done(&["detect", film, "--posture", "erect", "--out", "again"]);
+    here.done(&["detect", ERECT, "--posture", "erect", "--out", "again"]);
     assert_eq!(file, here.text("again/detected-01.json"));
 }
 
 #[test]
 fn a_film_without_a_spine_is_refused_and_the_others_are_kept() {
-    let here = folder();
-    here.done(&line("phantom --scenario rod --subject 1 --films --pixel-size 2 --out p"));
+    let here = with_films();
     here.write("blank.png", blank(300, 700));
-    let film = "p/phantom-rod-01-erect.dcm";
     let side = ["--patient-left", "image-left"];
-    let line = [&["detect", "blank.png", film, "--posture", "erect", "--out", "found"][..], &side]
+    let line = [&["detect", "blank.png", ERECT, "--posture", "erect", "--out", "found"][..], &side]
         .concat();
     let (out, error, code) = here.run(&line);
     assert_eq!(code, 3, "{error}");
@@ -60,28 +64,23 @@ fn a_film_without_a_spine_is_refused_and_the_others_are_kept() {
 
 #[test]
 fn the_posture_of_a_film_is_stated_by_the_user_or_by_its_case() {
-    let here = folder();
-    here.done(&line("phantom --subject 1 --films --pixel-size 2 --out p"));
-    let bend = "p/phantom-rod-01-left_bending.dcm";
+    let here = with_films();
+    let bend = "cases/phantom-rod-01-left_bending.dcm";
     let (_, error, code) = here.run(&["detect", bend, "--out", "found"]);
     assert!(code == 3 && error.contains("--posture"), "{code} {error}");
     here.done(&["detect", bend, "--posture", "left-bending", "--out", "found"]);
     assert_eq!(here.json("found/detected-01.json")["films"][0]["posture"], "left_bending");
 
-    let chosen = [
-        "--film",
-        "erect=p/phantom-rod-01-erect.dcm",
-        "--film",
-        "left-bending=p/phantom-rod-01-left_bending.dcm",
-    ];
-    let import = ["import", "p", "--case-id", "P07", "--out", "p07"];
-    here.done(&[&import[..], &chosen].concat());
+    let [erect, left] = [format!("erect={ERECT}"), format!("left-bending={bend}")];
+    let chosen = ["--film", erect.as_str(), "--film", left.as_str()];
+    let import = ["cases", "--case-id", "P07", "--out", "p07"];
+    here.imported(&[&import[..], &chosen].concat());
     here.done(&["detect", "p07/case.json", "--out", "found"]);
     let case = here.json("found/P07.json");
     for film in case["films"].as_array().expect("films") {
         assert_eq!(film["readings"][0]["observer"], "spineline-detect", "{}", film["posture"]);
     }
     // Films with a reading are left as they are.
-    let (_, error, code) = here.run(&["detect", "p/phantom-rod-01.json", "--out", "none"]);
+    let (_, error, code) = here.run(&["detect", CASE, "--out", "none"]);
     assert!(code == 3 && error.contains("lacks a reading"), "{code} {error}");
 }

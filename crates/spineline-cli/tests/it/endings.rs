@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{CASE, Here, folder, with_phantom, with_phantoms, words};
+use crate::program::{CASE, Here, folder, unwrapped, with_phantom, with_phantoms};
 
 /// The ending of the simulations of one line.
 fn statuses(analysis: &Value, line: &str) -> Vec<String> {
@@ -39,8 +39,7 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
 #[test]
 fn a_known_force_is_in_its_range_and_belongs_to_a_film_with_a_force() {
     let here = with_phantom(&[]);
-    let case = "cases/phantom-rod-01.json";
-    let with = |gauge: &str| here.run(&["analyze", case, "--gauge", gauge]);
+    let with = |gauge: &str| here.run(&["analyze", CASE, "--gauge", gauge]);
     for (gauge, words) in [
         ("known-force:erect=120", "the erect film has no force"),
         ("known-force:traction=-120", "-120 N, and must be from 1 to 2000 N"),
@@ -50,7 +49,7 @@ fn a_known_force_is_in_its_range_and_belongs_to_a_film_with_a_force() {
         let (_, error, code) = with(gauge);
         assert!(code == 2 && error.contains(words), "{gauge}: {code} {error}");
     }
-    here.change(case, |file| {
+    here.change(CASE, |file| {
         let films = file["films"].as_array_mut().expect("films");
         films.retain(|film| film["posture"] != "traction");
     });
@@ -62,8 +61,7 @@ fn a_known_force_is_in_its_range_and_belongs_to_a_film_with_a_force() {
 fn outputs_beside_the_cases_of_a_folder_are_passed_over_and_named() {
     let here = with_phantom(&[]);
     let outputs = ["--json", "cases/a.json", "--model", "cases/m.json", "--cohort", "cases/c.json"];
-    let case = "cases/phantom-rod-01.json";
-    here.done(&[&["analyze", case], &outputs[..]].concat());
+    here.done(&[&["analyze", CASE], &outputs[..]].concat());
     for command in ["analyze", "check"] {
         let (text, error, code) = here.run(&[command, "cases"]);
         assert_eq!(code, 0, "{text}{error}");
@@ -72,7 +70,7 @@ fn outputs_beside_the_cases_of_a_folder_are_passed_over_and_named() {
         }
     }
     // A folder of analyses alone is read as their cases; one without any case says so.
-    fs::remove_file(here.path(case)).expect("a file");
+    fs::remove_file(here.path(CASE)).expect("a file");
     let (text, error, code) = here.run(&["check", "cases"]);
     assert!(code == 0 && text.contains("phantom-rod-01"), "{text}{error}");
     fs::remove_file(here.path("cases/a.json")).expect("a file");
@@ -90,7 +88,7 @@ fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
     ] {
         here.write("x.json", bytes);
         let (_, error, code) = here.run(&["check", "x.json"]);
-        assert!(code == 3 && words(&error).contains(said), "{said}: {error}");
+        assert!(code == 3 && unwrapped(&error).contains(said), "{said}: {error}");
     }
 }
 
@@ -103,7 +101,7 @@ fn the_line_that_predicts_best_gives_the_model() {
     let (_, error, code) = here.run(&auto);
     assert_eq!(code, 0, "{error}");
     assert!(error.contains("the model of the iliac line is written"), "{error}");
-    let error = words(&error);
+    let error = unwrapped(&error);
     assert_eq!(here.json("m.json")["line"], "iliac_line");
     let compared = &here.json("a.json")["comparison"];
     let left_out = |line: &str| {
@@ -142,7 +140,7 @@ fn a_patient_without_an_inflection_line_has_a_model() {
     );
     let model = here.json("m.json");
     let line = model["line"].as_str().expect("a line").replace('_', " ");
-    let error = words(&error);
+    let error = unwrapped(&error);
     assert!(
         error.contains(&format!("the model of the {line} is written. Of the lines")),
         "{error}"
@@ -157,10 +155,9 @@ fn results_that_cannot_be_written_are_shown() {
     if !full.exists() {
         return;
     }
-    let case = "cases/phantom-rod-01.json";
-    here.done(&["analyze", case, "--model", "m.json"]);
+    here.done(&["analyze", CASE, "--model", "m.json"]);
     for command in [
-        &["analyze", case, "--json", "/dev/full"][..],
+        &["analyze", CASE, "--json", "/dev/full"][..],
         &["simulate", "m.json", "--push", "left", "--force", "10", "--json", "/dev/full"],
     ] {
         let (text, error, code) = here.run(command);
@@ -172,7 +169,7 @@ fn results_that_cannot_be_written_are_shown() {
 #[test]
 fn a_model_that_cannot_be_written_says_what_would_give_one() {
     let here = with_phantom(&[]);
-    let case = here.json("cases/phantom-rod-01.json");
+    let case = here.json(CASE);
     let mut no_scale = case.clone();
     for film in no_scale["films"].as_array_mut().expect("films") {
         let image = film["image"].as_object_mut().expect("a picture");
@@ -190,7 +187,7 @@ fn a_model_that_cannot_be_written_says_what_would_give_one() {
         let analyze =
             ["analyze", name, "--model", "m.json", "--model-line", line, "--json", "a.json"];
         let (text, error, code) = here.run(&analyze);
-        let error = words(&error);
+        let error = unwrapped(&error);
         assert!(code == 4 && error.contains(expected), "{name}: {code} {error}");
         // What was found is shown and written nevertheless, and what is missing is named last.
         assert!(text.contains("phantom-rod-01"), "{name}: {text}");

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::process::Command;
 
 use crate::maker::{EXPLICIT, Maker, ramp};
-use crate::program::{self, Here, spineline, words};
+use crate::program::{self, Here, spineline, unwrapped};
 
 /// Commands that read the file `@` whole, with the limit in the refusal.
 const READERS: [(&str, &str); 11] = [
@@ -41,7 +41,7 @@ fn limited(here: &Here, before: &str, line: &str, file: &str) -> (String, Option
     let mut command = Command::new("sh");
     let output = command.current_dir(here.folder()).args(["-c", &script]).arg(program).output();
     let output = output.expect("a shell");
-    (words(&String::from_utf8_lossy(&output.stderr)), output.status.code())
+    (unwrapped(&String::from_utf8_lossy(&output.stderr)), output.status.code())
 }
 
 #[cfg(unix)]
@@ -106,7 +106,7 @@ fn a_file_that_is_too_large_is_refused_by_its_size() {
         let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
         let error = here.refused(&arguments, 3);
         for part in ["large: it has 1024 MB", limit, "help: "] {
-            assert!(words(&error).contains(part), "{line}: {error}");
+            assert!(unwrapped(&error).contains(part), "{line}: {error}");
         }
     }
 }

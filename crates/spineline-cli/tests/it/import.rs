@@ -7,29 +7,10 @@ use serde_json::Value as Json;
 use spineline_films::{FilmLimits, read_film};
 
 use crate::maker::{EXPLICIT, Maker, Value, ramp, text};
-use crate::program::{Here, folder, line, succeeded, words};
+use crate::program::{Here, folder, split, unwrapped};
 
 /// A name that must never be seen again.
 const CANARY: &str = "Kanarienvogel";
-
-impl Here {
-    /// Runs `spineline import`; standard output, standard error and exit code.
-    pub fn import(&self, arguments: &[&str]) -> (String, String, i32) {
-        self.run(&[&["import"], arguments].concat())
-    }
-
-    /// The standard output of an import that has to succeed.
-    #[track_caller]
-    pub fn imported(&self, arguments: &[&str]) -> String {
-        succeeded(self.import(arguments))
-    }
-
-    /// The standard error of an import that has to end with this code.
-    #[track_caller]
-    pub fn not_imported(&self, arguments: &[&str], code: i32) -> String {
-        self.refused(&[&["import"], arguments].concat(), code)
-    }
-}
 
 /// A film of a patient with a name, frontal, its columns running to the patient's left.
 pub fn film(number: u16) -> Maker {
@@ -45,7 +26,7 @@ pub fn put(here: &Here, name: &str, maker: &Maker) {
     here.write(name, maker.file(EXPLICIT));
 }
 
-/// The arguments that make case A of one erect film in the folder `a`.
+/// The arguments that make case A of the erect film `a.dcm`, in the folder `a`.
 pub const ERECT: [&str; 7] = ["a.dcm", "--case-id", "A", "--out", "a", "--film", "erect=1"];
 
 /// The arguments that make case A of one film in the folder `a`.
@@ -75,7 +56,7 @@ fn films_become_a_deidentified_case() {
     let here = folder();
     put(&here, "a.dcm", &film(1));
     put(&here, "b.dcm", &film(2));
-    let (out, error, code) = here.import(&line(
+    let (out, error, code) = here.import(&split(
         ". --case-id P07 --out p07 --film erect=1 --film left-bending=2 --invert left-bending",
     ));
     assert_eq!(code, 0, "{error}");
@@ -123,7 +104,7 @@ fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
 #[test]
 fn landmarks_of_another_program_lie_on_their_films() {
     let here = folder();
-    here.done(&line("phantom --subject 1 --out p --noise 0 --pixel-size 2"));
+    here.done(&split("phantom --subject 1 --out p --noise 0 --pixel-size 2"));
     let case = here.json("p/phantom-rod-01.json");
     let image = &case["films"][0]["image"];
     let side = |key: &str| image[key].as_u64().expect("a number") as u16;
@@ -143,7 +124,7 @@ fn landmarks_of_another_program_lie_on_their_films() {
         let export =
             ["export", "p/phantom-rod-01.json", "--to", to, "--posture", "erect", "--out", file];
         here.done(&export);
-        here.imported(&line(&format!(
+        here.imported(&split(&format!(
             "erect.dcm --case-id A --out {to} --film erect=1 --landmarks {file}"
         )));
         let found = here.json(format!("{to}/case.json"));
@@ -163,7 +144,7 @@ fn equal_secrets_map_equal_identifiers_to_equal_new_ones() {
     let here = folder();
     put(&here, "a.dcm", &film(1));
     let uid = |folder: &str, secret: &str| {
-        here.imported(&line(&format!(
+        here.imported(&split(&format!(
             "a.dcm --case-id A --out {folder} --film erect=1 --secret {secret}"
         )));
         let bytes = fs::read(here.path(folder).join("erect.dcm")).expect("the film");
@@ -182,7 +163,7 @@ fn missing_values_are_asked_for_by_film_with_the_option_to_give_them() {
     let mut silent = film(1);
     silent.remove((0x20, 0x20));
     put(&here, "a.dcm", &silent);
-    let error = here.not_imported(&ERECT, 2);
+    let error = here.import_refused(&ERECT, 2);
     assert!(error.contains("erect film") && error.contains("the patient's left"), "{error}");
     assert!(error.contains("--patient-left erect=image-left"), "{error}");
     assert!(!here.path("a").exists(), "nothing was written");
@@ -195,7 +176,7 @@ fn an_answer_that_contradicts_the_file_needs_confirmation() {
     let here = folder();
     put(&here, "a.dcm", &film(1));
     let arguments = one_film("a.dcm", "erect=1");
-    let error = here.not_imported(&arguments, 2);
+    let error = here.import_refused(&arguments, 2);
     assert!(error.contains("Patient Orientation") && error.contains("--accept"), "{error}");
     let out = here.imported(&[&arguments[..], &["--accept"]].concat());
     assert!(out.contains("accepted by --accept"), "{out}");
@@ -213,7 +194,7 @@ fn lateral_views_are_recognised_and_offered_for_the_profile() {
     assert!(out.contains("lateral"), "{out}");
     assert!(out.lines().all(|line| line.chars().count() <= 100), "{out}");
     // Not as a frontal film, unless someone insists.
-    let error = here.not_imported(&one_film(".", "erect=2"), 2);
+    let error = here.import_refused(&one_film(".", "erect=2"), 2);
     assert!(error.contains("lateral view"), "{error}");
     here.imported(&[".", "--case-id", "A", "--out", "a", "--film", "erect=1", "--lateral", "2"]);
     let case = here.json("a/case.json");
@@ -228,7 +209,7 @@ fn a_recumbent_film_given_as_erect_needs_confirmation() {
     let code = [((0x08, 0x100), ("SH", text("102538003"))), ((0x08, 0x102), ("SH", text("SCT")))];
     lying.set((0x54, 0x410), "SQ", Value::Items(vec![code.into()]));
     put(&here, "a.dcm", &lying);
-    let error = here.not_imported(&ERECT, 2);
+    let error = here.import_refused(&ERECT, 2);
     assert!(error.contains("recumbent") && error.contains("erect"), "{error}");
 }
 
@@ -239,8 +220,8 @@ fn one_picture_cannot_show_two_postures_and_one_identifier_two_pictures() {
     let mut copy = film(1);
     copy.text((0x08, 0x18), "UI", "1.2.3.99");
     put(&here, "b.dcm", &copy);
-    let arguments = line("a.dcm b.dcm --case-id A --out a --film erect=1 --film left-bending=2");
-    let error = here.not_imported(&arguments, 3);
+    let arguments = split("a.dcm b.dcm --case-id A --out a --film erect=1 --film left-bending=2");
+    let error = here.import_refused(&arguments, 3);
     assert!(error.contains("the same picture"), "{error}");
     let mut changed = film(2);
     changed.text((0x08, 0x18), "UI", "1.2.3.1");
@@ -263,8 +244,8 @@ fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
     let sd = image["spacing_relative_sd"].as_f64().expect("a number");
     let by_hand = (0.5 / 40f64.powi(2) + (0.1f64 / 25.0).powi(2)).sqrt();
     assert!((sd - by_hand).abs() < 1e-12, "{sd}");
-    let error = here.not_imported(
-        &line("a.dcm --case-id A --out b --film erect=1 --ball erect=10,20,11,20,25"),
+    let error = here.import_refused(
+        &split("a.dcm --case-id A --out b --film erect=1 --ball erect=10,20,11,20,25"),
         2,
     );
     assert!(error.contains("1.0 pixels apart"), "{error}");
@@ -289,14 +270,14 @@ fn a_case_is_never_overwritten() {
     put(&here, "a.dcm", &film(1));
     assert_eq!(here.import(&ERECT).2, 0);
     let before = everything(&here.path("a"));
-    let error = here.not_imported(&ERECT, 3);
+    let error = here.import_refused(&ERECT, 3);
     assert!(error.contains("overwrites nothing"), "{error}");
     assert_eq!(before, everything(&here.path("a")));
     // Nor are the patient's own films, where they have the names that a case would give them.
     fs::create_dir(here.path("own")).expect("a folder");
     put(&here, "own/left_bending.dcm", &film(3));
     let into = ["own", "--case-id", "A", "--out", "own", "--film", "erect=1"];
-    let error = here.not_imported(&into, 3);
+    let error = here.import_refused(&into, 3);
     assert!(error.contains("own/left_bending.dcm"), "{error}");
     assert_eq!(fs::read(here.path("own/left_bending.dcm")).expect("there"), film(3).file(EXPLICIT));
 }
@@ -305,7 +286,7 @@ fn a_case_is_never_overwritten() {
 fn repeated_answers_and_answers_about_unknown_films_are_refused() {
     let here = folder();
     put(&here, "a.dcm", &film(1));
-    let refused = |more: &[&str]| here.not_imported(&[&ERECT[..], more].concat(), 2);
+    let refused = |more: &[&str]| here.import_refused(&[&ERECT[..], more].concat(), 2);
     let twice = ["--patient-left", "image-right", "--patient-left", "image-left"];
     assert!(refused(&twice).contains("--patient-left is given twice"));
     let both = ["--ball", "erect=1,1,40,1,25", "--ruler", "erect=1,1,40,1,100"];
@@ -318,9 +299,9 @@ fn without_a_choice_films_are_listed_and_no_file_is_written() {
     let here = folder();
     put(&here, "a.dcm", &film(1));
     here.write("notes.txt", "<notes>");
-    let error = here.not_imported(&[".", "--case-id", "A", "--out", "a"], 2);
+    let error = here.import_refused(&[".", "--case-id", "A", "--out", "a"], 2);
     assert!(error.contains("--film erect=1") && error.contains("notes.txt"), "{error}");
-    let error = here.not_imported(&[".", "--case-id", "A", "--out", "a", "--film", "erect=7"], 2);
+    let error = here.import_refused(&[".", "--case-id", "A", "--out", "a", "--film", "erect=7"], 2);
     assert!(error.contains("film 7 is not among the films that were found (1)"), "{error}");
     assert!(!here.path("a").exists());
 }
@@ -375,7 +356,7 @@ fn a_breast_a_leg_or_another_patient_needs_confirmation() {
         assert!(!error.contains("SOMEONE"), "{error}");
         let (out, error, code) = import(&["--accept"]);
         assert_eq!(code, 0, "{name}: {error}");
-        assert!(words(&out).contains("accepted by --accept"), "{out}");
+        assert!(unwrapped(&out).contains("accepted by --accept"), "{out}");
         assert!(!holds(&everything(&here.path(name)), "SOMEONE"), "{name}");
     }
 }

@@ -118,7 +118,7 @@ fn one_dataset_of_several_films_is_matched_by_the_names_of_its_pictures() {
     let numbers = [("000001.png", 0.0), ("000002.png", 3.0), ("000003.png", -3.0)];
     here.write("numbers.json", coco(&numbers));
     for option in ["numbers.json", "erect=numbers.json"] {
-        let error = here.not_imported(&arguments("numbers", &["--landmarks", option]), 3);
+        let error = here.import_refused(&arguments("numbers", &["--landmarks", option]), 3);
         assert!(
             error.contains("000001.png") && error.contains("P07_LB.dcm (left bending)"),
             "{error}"
@@ -133,7 +133,7 @@ fn a_file_whose_picture_is_another_film_is_refused_and_one_of_another_name_is_no
     here.write("other.json", labelme("..\\scan_17.png", 0.0));
     here.write("own.json", labelme("P07_standing.png", 0.0));
     let exchanged = arguments("a", &["--landmarks", "erect=erect.json"]);
-    let error = here.not_imported(&exchanged, 3);
+    let error = here.import_refused(&exchanged, 3);
     assert!(error.contains("P07_LB.png, which belongs to the left bending film"), "{error}");
     let (_, notes, code) = here.import(&[&exchanged[..], &["--accept"]].concat());
     assert!(code == 0 && notes.contains("accepted by --accept"), "{notes}");
@@ -154,7 +154,7 @@ fn one_file_per_annotator_is_imported_with_their_names() {
         here.write(file, labelme("P07_standing.png", lean));
     }
     let files = ["--landmarks", "erect=raterA.json", "--landmarks", "erect=raterB.json"];
-    let error = here.not_imported(&arguments("a", &files), 3);
+    let error = here.import_refused(&arguments("a", &files), 3);
     assert!(error.contains("--reading FILE=OBSERVER:REPEAT"), "{error}");
     let named = |b: &'static str| {
         [&files[..], &["--reading", "raterA.json=rater-A", "--reading", b]].concat()
@@ -173,10 +173,10 @@ fn one_file_per_annotator_is_imported_with_their_names() {
         ("raterB.json=B:0", "whole number from 1"),
         ("raterB.json", "expected FILE=OBSERVER"),
     ] {
-        let error = here.not_imported(&arguments("c", &named(wrong)), 2);
+        let error = here.import_refused(&arguments("c", &named(wrong)), 2);
         assert!(error.contains(words), "{error}");
     }
-    let error = here.not_imported(&arguments("c", &named("raterC.json=B")), 2);
+    let error = here.import_refused(&arguments("c", &named("raterC.json=B")), 2);
     assert!(error.contains("raterC.json, which is not a given file"), "{error}");
     let (_, notes, code) = here.import(&arguments("d", &named("raterB.json=Rater_a")));
     assert!(code == 0 && notes.contains("`Rater_a` and `rater-A` count as 2 observers"), "{notes}");
@@ -197,12 +197,12 @@ fn a_table_states_its_observers_and_a_reading_contradicts_it() {
     };
     here.write("named.csv", rows("B"));
     here.write("doctor.csv", rows("Dr. A. B."));
-    let error = here.not_imported(
+    let error = here.import_refused(
         &arguments("a", &["--landmarks", "erect=named.csv", "--reading", "named.csv=C"]),
         3,
     );
     assert!(error.contains("named.csv") && error.contains("states observer B"), "{error}");
-    let error = here.not_imported(&arguments("a", &["--landmarks", "erect=doctor.csv"]), 3);
+    let error = here.import_refused(&arguments("a", &["--landmarks", "erect=doctor.csv"]), 3);
     assert!(
         error.contains("doctor.csv: line 2, column `observer`") && error.contains("`Dr. A. B.`"),
         "{error}"
@@ -219,13 +219,13 @@ fn suggestions_of_the_command_line_name_no_other_side_posture_or_value() {
         (&["x", "--landmark", "a.json"], Some("--landmarks")),
         (&["x", "--pacient-left", "image-left"], Some("--patient-left")),
     ] {
-        let error = here.not_imported(arguments, 2);
+        let error = here.import_refused(arguments, 2);
         match suggested {
             None => assert!(!error.contains("similar"), "{error}"),
             Some(option) => assert!(error.contains(&format!("'{option}'")), "{error}"),
         }
     }
     let error =
-        here.not_imported(&["x", "--case-id", "A", "--out", "o", "--film", "standing=1"], 2);
+        here.import_refused(&["x", "--case-id", "A", "--out", "o", "--film", "standing=1"], 2);
     assert!(error.contains("erect, left_bending, right_bending, neutral, traction"), "{error}");
 }

@@ -38,7 +38,7 @@ fn midlines_of_the_back_make_a_case_that_says_its_levels_are_estimates() {
     // Nothing is overwritten, and a file of landmarks is not a file of midlines.
     assert_ne!(here.import(&import).2, 0);
     here.write("marks.json", r#"{"shapes":[]}"#);
-    here.not_imported(&["--midlines", "marks.json", "--case-id", "B", "--out", "b"], 3);
+    here.import_refused(&["--midlines", "marks.json", "--case-id", "B", "--out", "b"], 3);
     let (_, error, _) =
         here.import(&["--midlines", "lines.json", "lines.json", "--case-id", "B", "--out", "b"]);
     assert!(error.contains("second erect midline"), "{error}");

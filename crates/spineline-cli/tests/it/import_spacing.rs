@@ -2,7 +2,7 @@
 
 use crate::import::{ERECT, film, put};
 use crate::maker::Maker;
-use crate::program::{folder, words};
+use crate::program::{folder, unwrapped};
 
 /// A film with one text changed.
 fn film_with(tag: (u16, u16), vr: &'static str, value: &str) -> Maker {
@@ -15,7 +15,7 @@ fn film_with(tag: (u16, u16), vr: &'static str, value: &str) -> Maker {
 fn a_spacing_that_cannot_be_read_is_asked_for_and_a_shape_alone_answers_it() {
     let here = folder();
     put(&here, "a.dcm", &film_with((0x28, 0x30), "DS", "0,5"));
-    let error = here.not_imported(&ERECT, 2);
+    let error = here.import_refused(&ERECT, 2);
     assert!(error.contains("is `0,5`") && error.contains("--spacing erect="), "{error}");
     assert!(!here.path("a/case.json").exists());
     let out = here.imported(&[&ERECT[..], &["--spacing", "1,2,pixels"]].concat());
@@ -30,7 +30,7 @@ fn a_spacing_with_a_comma_between_is_read_and_its_text_shown() {
     let here = folder();
     put(&here, "a.dcm", &film_with((0x28, 0x30), "DS", "0.500,0.250"));
     let out = here.imported(&ERECT);
-    let words = words(&out);
+    let words = unwrapped(&out);
     assert!(words.contains("is `0.500,0.250`") && words.contains("--spacing"), "{out}");
     let image = &here.json("a/case.json")["films"][0]["image"];
     assert_eq!(
@@ -52,7 +52,7 @@ fn a_pixel_aspect_ratio_is_used_without_a_spacing_and_asked_about_where_it_contr
     // The spacing has rows at twice the distance of columns.
     put(&here, "b.dcm", &film_with((0x28, 0x34), "IS", "1\\2"));
     let error =
-        here.not_imported(&["b.dcm", "--case-id", "B", "--out", "b", "--film", "erect=1"], 2);
+        here.import_refused(&["b.dcm", "--case-id", "B", "--out", "b", "--film", "erect=1"], 2);
     assert!(error.contains("2.000") && error.contains("0.500"), "{error}");
 }
 
@@ -61,6 +61,6 @@ fn points_of_a_ball_outside_of_the_picture_are_refused_with_its_size() {
     let here = folder();
     put(&here, "a.dcm", &film(1));
     let ball = "erect=70,110,75,110,25";
-    let error = here.not_imported(&[&ERECT[..], &["--ball", ball]].concat(), 2);
+    let error = here.import_refused(&[&ERECT[..], &["--ball", ball]].concat(), 2);
     assert!(error.contains("the point 70.0, 110.0") && error.contains("60 × 41"), "{error}");
 }

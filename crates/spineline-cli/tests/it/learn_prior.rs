@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::program::{CASE, Here, folder, json, words};
+use crate::program::{CASE, Here, assert_says, folder, json, unwrapped};
 
 /// This number of synthetic patients in `cases`, and one more in `other`. Subject 6 has two films of one shape.
 fn cohort(patients: usize) -> Here {
@@ -20,9 +20,8 @@ fn cohort(patients: usize) -> Here {
 fn a_learned_distribution_predicts_the_bends_of_another_patient() {
     let here = cohort(6);
     let said = here.done(&["learn-prior", "cases", "--out", "prior.json"]);
-    for part in ["6 patients, 12 bends", "SYNTHETIC", "L4/L3", "tilt of the top vertebra"] {
-        assert!(said.contains(part), "{part}: {said}");
-    }
+    let parts = ["6 patients, 12 bends", "SYNTHETIC", "L4/L3", "tilt of the top vertebra"];
+    assert_says(&said, &parts);
     let file = here.json("prior.json");
     assert_eq!(file["synthetic"], true);
     assert_eq!(file["prior"]["patients"], 6);
@@ -80,7 +79,7 @@ fn a_distribution_of_tilts_by_another_rule_is_refused() {
         let analyze = ["analyze", "other", "--rotation-prior", "prior.json", "--tilt"];
         here.done(&[&analyze[..], &[rule]].concat());
         let error = here.refused(&[&analyze[..], &[other]].concat(), 3);
-        let (error, said) = (words(&error), format!("learned with tilts by `{rule}`"));
+        let (error, said) = (unwrapped(&error), format!("learned with tilts by `{rule}`"));
         assert!(error.contains(&said), "{error}");
     }
 }

@@ -390,9 +390,9 @@ mod unix {
         let (dash, ..) = here.run(&["export", "model.json", "--to", "mjcf", "--out", "-"]);
         for name in ["/dev/stdout", "/proc/self/fd/1"] {
             let log = fs::File::create(here.path("log")).expect("a file");
-            let status = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
+            let status = here
+                .process()
                 .args(["export", "model.json", "--to", "mjcf", "--out", name])
-                .current_dir(here.folder())
                 .stdout(Stdio::from(log))
                 .status()
                 .expect("the program starts");
@@ -409,10 +409,10 @@ mod unix {
             names.filter(|name| name.ends_with(".part")).count()
         };
         let long = ["--json", "a.json", "--replicates", "1000000", "--seed", "1"];
-        let mut child = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
+        let mut child = here
+            .process()
             .args(["analyze", "case.json"])
             .args(long)
-            .current_dir(here.folder())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()

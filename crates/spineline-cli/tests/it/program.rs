@@ -27,17 +27,26 @@ impl Here {
         finish(spineline(self.folder()).args(arguments))
     }
 
+    /// The program in this folder as a process of the standard library. Its configuration is in the folder.
+    pub fn process(&self) -> std::process::Command {
+        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("spineline"));
+        command.current_dir(self.folder()).env("XDG_CONFIG_HOME", self.path("configuration"));
+        command
+    }
+
     /// The standard output of a command that has to succeed.
     #[track_caller]
     pub fn done(&self, arguments: &[&str]) -> String {
-        succeeded(self.run(arguments))
+        let (output, error, code) = self.run(arguments);
+        assert_eq!(code, 0, "{arguments:?}: {error}{output}");
+        output
     }
 
-    /// The standard output of a command that has to write its files, though a line may have no result.
+    /// The standard output of a command that ends with 0, or with 4 where a line has no result.
     #[track_caller]
     pub fn wrote(&self, arguments: &[&str]) -> String {
         let (output, error, code) = self.run(arguments);
-        assert!(code == 0 || code == 4, "{arguments:?}: {code} {error}");
+        assert!(code == 0 || code == 4, "{arguments:?}: {code} {error}{output}");
         output
     }
 
@@ -49,6 +58,23 @@ impl Here {
         error
     }
 
+    /// Runs `spineline import`; standard output, standard error and exit code.
+    pub fn import(&self, arguments: &[&str]) -> (String, String, i32) {
+        self.run(&[&["import"], arguments].concat())
+    }
+
+    /// The standard output of an import that has to succeed.
+    #[track_caller]
+    pub fn imported(&self, arguments: &[&str]) -> String {
+        self.done(&[&["import"], arguments].concat())
+    }
+
+    /// The standard error of an import that has to end with this code.
+    #[track_caller]
+    pub fn import_refused(&self, arguments: &[&str], code: i32) -> String {
+        self.refused(&[&["import"], arguments].concat(), code)
+    }
+
     /// Makes phantoms under `cases`.
     #[track_caller]
     pub fn add_phantom(&self, arguments: &[&str]) {
@@ -58,7 +84,8 @@ impl Here {
     /// The text in a file.
     #[track_caller]
     pub fn text(&self, name: impl AsRef<Path>) -> String {
-        fs::read_to_string(self.path(name)).expect("it was written")
+        let path = self.path(name);
+        fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
     /// The JSON in a file.
@@ -115,13 +142,13 @@ pub fn spineline(folder: &Path) -> Command {
     command
 }
 
-/// The arguments in a line.
-pub fn line(text: &str) -> Vec<&str> {
+/// The words of a command line.
+pub fn split(text: &str) -> Vec<&str> {
     text.split_whitespace().collect()
 }
 
-/// A text with one blank between words, wherever its lines were broken.
-pub fn words(text: &str) -> String {
+/// A text without line breaks, with one blank between words.
+pub fn unwrapped(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::program::{assert_says, folder, json, line, with_phantom, with_phantoms};
+use crate::program::{assert_says, folder, json, split, with_phantom, with_phantoms};
 
 /// The entry of a list whose key has a value.
 fn with<'a>(list: &'a Value, key: &str, value: &str) -> &'a Value {
@@ -24,8 +24,8 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
     let here = with_phantoms("rod", &["1", "2"]);
-    let text =
-        here.done(&line("reliability cases --json out.json --csv out.csv --figure figures --full"));
+    let text = here
+        .done(&split("reliability cases --json out.json --csv out.csv --figure figures --full"));
     assert!(text.contains("SYNTHETIC") && text.contains("two-way random, absolute agreement"));
     let file = here.json("out.json");
     assert_eq!(file["synthetic"], true);

@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::{Value, json};
 
 use crate::maker::{DEFLATED, EXPLICIT, Maker, Syntax, ramp};
-use crate::program::{Here, finish, folder, spineline, succeeded, words};
+use crate::program::{Here, finish, folder, spineline, succeeded, unwrapped};
 
 /// A film with an identifier, whose pixels depend on `number`.
 fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
@@ -93,7 +93,7 @@ fn two_pictures_of_one_identifier_are_warned_about() {
             let (out, error, code) = here.run(&command);
             assert_eq!(code, 0, "{command:?}: {error}");
             if command[0] != "report" {
-                let found = words(&format!("{out}{error}"));
+                let found = unwrapped(&format!("{out}{error}"));
                 assert_eq!(found.contains("SOP Instance UID"), expected, "{command:?}: {found}");
             }
         }
@@ -130,7 +130,7 @@ fn a_film_of_another_patient_or_part_of_the_body_is_noticed_by_every_command() {
         case(&here, &erect, &neutral(tag, vr, value));
         for command in readers(&here) {
             let (out, error, ending) = here.run(&command);
-            let said = words(&format!("{out}{error}"));
+            let said = unwrapped(&format!("{out}{error}"));
             assert!(!said.contains("SOMEONE"), "{command:?}: {said}");
             // A store takes such a film only when told to; the other commands warn.
             if command[0] == "study" {
@@ -228,7 +228,7 @@ fn import(erect: &str, neutral: &str) -> (String, i32) {
     let to = ["import", "a.dcm", "b.dcm", "--case-id", "A", "--out", "out"];
     let (_, error, code) = here.run(&[&to[..], &films, &marks].concat());
     assert_eq!(here.path("out/case.json").exists(), code == 0);
-    (words(&error), code)
+    (unwrapped(&error), code)
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 use spineline_report::embedded;
 
-use crate::program::{CASE, json, with_phantom, with_phantoms};
+use crate::program::{CASE, assert_says, folder, json, with_phantom, with_phantoms};
 
 fn analysis_in(report: &Path) -> Value {
     let bytes = fs::read(report).expect("the report is written");
@@ -116,9 +116,8 @@ fn a_cohort_counts_refused_cases_and_does_not_depend_on_threads() {
     assert!(reports[0] == reports[1], "threads change the report");
     let (text, _, analyses) = reports.swap_remove(0);
     assert_eq!(analyses.as_array().map(Vec::len), Some(2));
-    for words in ["odd.json", "the file could not be read", "2 patients", "case files read"] {
-        assert!(text.contains(words), "{words}");
-    }
+    let said = ["odd.json", "the file could not be read", "2 patients", "case files read"];
+    assert_says(&text, &said);
     let arguments = ["report", "cases", "--replicates", "10"];
     let (_, error, code) = here.run(&arguments);
     assert!(code == 2 && error.contains("one patient"), "{code} {error}");
@@ -152,7 +151,8 @@ fn the_extension_of_the_output_chooses_the_format() {
 
 #[test]
 fn a_name_that_ends_like_another_format_is_refused() {
-    let here = with_phantom(&[]);
+    let here = folder();
+    // Refused before the case is read, which does not exist.
     let (_, error, code) = here.run(&["report", CASE, "--out", "x.docx"]);
     assert!(code == 2 && error.contains(".html, .md or .pdf"), "{code} {error}");
     assert!(!here.path("x.docx").exists());

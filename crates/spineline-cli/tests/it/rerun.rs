@@ -5,7 +5,7 @@ use std::path::Path;
 
 use spineline_files::Content;
 
-use crate::program::{CASE, assert_says, finish, json, line, spineline, with_phantom};
+use crate::program::{CASE, assert_says, finish, json, spineline, split, with_phantom};
 
 /// Standard output, standard error and exit code, at a fixed date.
 fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
@@ -18,7 +18,7 @@ fn an_analysis_is_repeated_from_its_file() {
     let at = |name: &str| here.path(name);
     let stiffness = run(here.folder(), &["stiffness"]).0.replace("132.0", "131.9");
     here.write("springs.json", stiffness);
-    let asked = line(
+    let asked = split(
         "--json a.json --fit ferguson --stiffness springs.json --compare-models couple \
          --replicates 3 --noise 2.5 --seed 7 --identifiability --min-curve 4.1",
     );
@@ -188,7 +188,7 @@ fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
 #[test]
 fn every_file_of_an_analysis_has_provenance() {
     let here = with_phantom(&[]);
-    let outputs = line(
+    let outputs = split(
         "--json a.json --csv errors.csv --chain chain.csv --cohort cohort.json --model model.json",
     );
     assert_eq!(run(here.folder(), &[&["analyze", CASE], &outputs[..]].concat()).2, 0);

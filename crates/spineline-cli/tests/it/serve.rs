@@ -1,7 +1,7 @@
 //! Who is let in: `account`, and what `serve` demands before it listens.
 
 use std::io::{BufRead, BufReader};
-use std::process::{Command as Program, Stdio};
+use std::process::Stdio;
 
 use assert_cmd::assert::Assert;
 
@@ -81,10 +81,10 @@ fn add_admin(here: &Here) {
     run(here, &add, PASSWORD).success();
 }
 
-/// The first line of a server that is then ended, and what it said on the standard error.
+/// The first line and the standard error of a server that is then ended.
 fn serve(here: &Here, arguments: &[&str]) -> (String, String) {
-    let mut server = Program::new(assert_cmd::cargo::cargo_bin("spineline"))
-        .current_dir(here.folder())
+    let mut server = here
+        .process()
         .args(arguments)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

@@ -24,8 +24,7 @@ struct Ended {
 }
 
 fn start(here: &Here, arguments: &[&str]) -> Child {
-    Command::new(assert_cmd::cargo::cargo_bin("spineline"))
-        .current_dir(here.folder())
+    here.process()
         .args(arguments)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())

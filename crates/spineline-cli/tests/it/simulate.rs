@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 
-use crate::program::{self, Here, assert_says, line, words};
+use crate::program::{self, Here, assert_says, split, unwrapped};
 
 /// A folder with the model of a phantom, `model.json`.
 fn folder() -> Here {
@@ -107,9 +107,8 @@ fn a_force_gives_a_report_and_complete_files() {
     );
     let svg = here.text("out/s.svg");
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
-    for words in ["synthetic data", "relative units, not newtons", "Seen from behind", "LEFT"] {
-        assert!(svg.contains(words), "{words}");
-    }
+    let said = ["synthetic data", "relative units, not newtons", "Seen from behind", "LEFT"];
+    assert_says(&svg, &said);
 }
 
 #[test]
@@ -158,8 +157,8 @@ fn an_amplitude_is_found_for_either_direction_of_the_loads() {
     assert!((number(&right, "/equilibria/0/lateral_tilt_right_deg") - 20.0).abs() < 1e-7);
     assert_eq!(left["equilibria"][0]["verdict"], "reached");
     // All shapes with this lateral tilt are reported, with reasons.
-    let line = line("simulate model.json --posture traction --amplitude 3 --towards left");
-    let text = words(&here.done(&line));
+    let line = split("simulate model.json --posture traction --amplitude 3 --towards left");
+    let text = unwrapped(&here.done(&line));
     let all = ["SEVERAL EQUILIBRIA", "chosen: smallest factor", "not chosen", "against their"];
     assert_says(&text, &all);
 }
@@ -264,7 +263,7 @@ fn a_whole_body_weight_that_folds_the_spine_has_no_result() {
 #[test]
 fn a_missing_result_ends_with_4_and_is_labelled_everywhere() {
     let here = folder();
-    let line = line("simulate model.json --push caudal --force 1500 --svg s.svg --json s.json");
+    let line = split("simulate model.json --push caudal --force 1500 --svg s.svg --json s.json");
     let (text, _, code) = here.run(&line);
     assert_eq!(code, 4);
     assert!(text.contains("NO RESULT") && !text.contains("Cobb"), "{text}");

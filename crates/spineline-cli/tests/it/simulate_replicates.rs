@@ -3,13 +3,13 @@
 use serde_json::{Value, json};
 use spineline::number::interval;
 
-use crate::program::{CASE, Here, assert_says, with_phantom, words};
+use crate::program::{CASE, Here, assert_says, unwrapped, with_phantom};
 
 const PUSH: [&str; 6] = ["simulate", "model.json", "--push", "left", "--force", "10"];
 
 /// A folder with the case of a phantom and its model, `model.json`.
 fn folder() -> Here {
-    let here = with_phantom(&["--scenario", "rod", "--subject", "1"]);
+    let here = with_phantom(&[]);
     here.done(&["analyze", CASE, "--model", "model.json"]);
     here
 }
@@ -66,7 +66,7 @@ fn text_json_and_csv_have_the_interval_beside_the_number_for_any_number_of_threa
     let (small, large) = (ends[0].abs().min(ends[1].abs()), ends[0].abs().max(ends[1].abs()));
     let interval = format!("{small:.1}° to {large:.1}°");
     assert!(text.contains(&interval), "{interval} is missing in\n{text}");
-    let said = words(&text);
+    let said = unwrapped(&text);
     assert_says(
         &said,
         &[
@@ -134,7 +134,7 @@ fn a_plan_that_some_replicates_do_not_bear_counts_them() {
     let down = low.to_string();
     let line = ["simulate", "model.json", "--push", "caudal", "--force", &down];
     let more = ["--case", CASE, "--replicates", "24", "--json", "s.json"];
-    let text = words(&here.done(&[&line[..], &more].concat()));
+    let text = unwrapped(&here.done(&[&line[..], &more].concat()));
     let counts = here.json("s.json")["uncertainty"].clone();
     let usable = counts["usable"].as_u64().expect("a count");
     assert!((1..24).contains(&usable), "{counts}");
@@ -159,21 +159,21 @@ fn replicates_that_are_not_possible_are_refused_with_what_to_do() {
     let with = |case: &'static str| simulate(&["--replicates", "5", "--case", case]);
 
     // Another patient, other landmarks, a model without provenance, and one that was changed.
-    here.done(&["phantom", "--scenario", "rod", "--subject", "2", "--out", "cases"]);
-    let error = words(&here.refused(&with("cases/phantom-rod-02.json"), 3));
+    here.add_phantom(&["--scenario", "rod", "--subject", "2"]);
+    let error = unwrapped(&here.refused(&with("cases/phantom-rod-02.json"), 3));
     assert!(error.contains("the model belongs to the case phantom-rod-01"), "{error}");
     let mut other = here.json(CASE);
     let corner = &mut other["films"][0]["readings"][0]["vertebrae"]["T6"]["superior_left"][0];
     *corner = json!(corner.as_f64().expect("a column") + 3.0);
     here.write("other.json", other.to_string());
-    let error = words(&here.refused(&with("other.json"), 3));
+    let error = unwrapped(&here.refused(&with("other.json"), 3));
     assert!(error.contains("differ from the model that the case gives now"), "{error}");
     let model = here.json("model.json");
     let change = |change: &dyn Fn(&mut Value)| {
         let mut model = model.clone();
         change(&mut model);
         here.write("model.json", model.to_string());
-        words(&here.refused(&with(CASE), 3))
+        unwrapped(&here.refused(&with(CASE), 3))
     };
     let error = change(&|model| {
         let stiffness = &mut model["joints"][3]["stiffness"][0];

@@ -17,7 +17,7 @@ use spineline_phantom::{
 
 use crate::import::{film, put};
 use crate::maker::Maker;
-use crate::program::{Here, folder, line, succeeded, words};
+use crate::program::{Here, assert_says, folder, split, succeeded, unwrapped};
 
 /// Pixels of the phantom for one of a picture here.
 const COARSER: u32 = 10;
@@ -121,7 +121,7 @@ fn imported(here: &Here, case: &Case) {
         side(patient_left),
     );
     let films: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let out = here.done(&[films, line(&given)].concat());
+    let out = here.done(&[films, split(&given)].concat());
     assert!(!out.contains("No landmarks yet"), "{out}");
 }
 
@@ -176,14 +176,13 @@ fn landmark_files_with_a_lateral_film_reach_every_output() {
     }
     here.wrote(&["report", "case/case.json", "--out", "report.html"]);
     let report = here.text("report.html");
-    for part in [
+    let parts = [
         "Both films were exposed together",
         "Sagittal profile",
         "the profile of a population",
         "Nash",
-    ] {
-        assert!(report.contains(part), "{part}");
-    }
+    ];
+    assert_says(&report, &parts);
     for format in ["mjcf", "osim", "urdf", "vtp", "gltf"] {
         let text = here.done(&["export", "model.json", "--to", format]);
         for part in [
@@ -206,7 +205,7 @@ fn a_bad_table_of_the_lateral_film_is_refused_by_line_and_column() {
     for (i, grey) in [(1, 60), (2, 70)] {
         picture(&here.path(format!("{i}.png")), grey, [500, 700]);
     }
-    let import = line(
+    let import = split(
         "import 1.png 2.png --film erect=1.png --lateral 2.png --patient-left image-left \
          --patient-anterior image-left --lateral-landmarks bad.csv --case-id A --out a \
          --keep-identity",
@@ -266,7 +265,7 @@ fn films_of_one_exposure_are_recognised_by_their_files_or_by_the_option() {
         ("7", &apart, &together[..], Some(true), "95 s apart"),
     ] {
         let out = succeeded(imports(folder, [&films[0], &films[1]], more));
-        assert!(words(&out).contains(note), "{folder}: {out}");
+        assert!(unwrapped(&out).contains(note), "{folder}: {out}");
         let found = here.json(format!("{folder}/case.json"))["lateral"]["simultaneous"].as_bool();
         assert_eq!(found, simultaneous, "{folder}");
     }

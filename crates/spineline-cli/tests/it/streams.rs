@@ -4,7 +4,7 @@
 use std::fs;
 use std::process::{Command, Stdio};
 
-use crate::program::{CASE, Here, folder, line, with_phantom, words};
+use crate::program::{CASE, Here, folder, split, unwrapped, with_phantom};
 
 /// Commands that say something on the standard error, and how they end.
 const TALKATIVE: [(&[&str], i32); 6] = [
@@ -22,12 +22,7 @@ fn a_full_error_stream_changes_no_exit_code() {
     let here = with_phantom(&[]);
     for (arguments, expected) in TALKATIVE {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
-        let status = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
-            .current_dir(here.folder())
-            .args(arguments)
-            .stdout(Stdio::null())
-            .stderr(full)
-            .status();
+        let status = here.process().args(arguments).stdout(Stdio::null()).stderr(full).status();
         assert_eq!(status.expect("it starts").code(), Some(expected), "{arguments:?}");
     }
 }
@@ -46,13 +41,8 @@ fn a_full_output_stream_is_said_and_has_its_code() {
         &["film", CASE, "--json"],
     ] {
         let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a full device");
-        let output = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
-            .current_dir(here.folder())
-            .args(arguments)
-            .stdout(full)
-            .output()
-            .expect("it starts");
-        let error = words(&String::from_utf8_lossy(&output.stderr));
+        let output = here.process().args(arguments).stdout(full).output().expect("it starts");
+        let error = unwrapped(&String::from_utf8_lossy(&output.stderr));
         assert_eq!(output.status.code(), Some(3), "{arguments:?} {error}");
         if arguments[0] != "film" {
             assert!(error.contains("standard output could not be written"), "{error}");
@@ -166,7 +156,7 @@ fn an_output_that_cannot_be_written_is_code_3_with_advice() {
 #[test]
 fn a_case_with_a_mark_of_the_byte_order_enters_a_store() {
     let here = folder();
-    here.done(&line("phantom --subject 1 --films --pixel-size 4 --out c"));
+    here.done(&split("phantom --subject 1 --films --pixel-size 4 --out c"));
     let text = here.text("c/phantom-rod-01.json");
     here.write("c/phantom-rod-01.json", format!("\u{feff}{text}"));
     here.done(&["study", "create", "s.spineline"]);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use crate::program::{line, with_phantom};
+use crate::program::{split, with_phantom};
 
 fn names(folder: &Path) -> BTreeSet<String> {
     let entries = fs::read_dir(folder).expect("a folder");
@@ -43,8 +43,9 @@ fn every_table_is_written_in_both_formats_with_its_hash() {
 #[test]
 fn formats_are_chosen_and_requests_add_tables() {
     let here = with_phantom(&[]);
-    let asked =
-        line("analyze cases --tables t --tables-format csv --replicates 2 --compare-models couple");
+    let asked = split(
+        "analyze cases --tables t --tables-format csv --replicates 2 --compare-models couple",
+    );
     here.done(&asked);
     let found = names(&here.path("t"));
     assert!(found.contains("uncertainty.csv") && found.contains("hypotheses.csv"), "{found:?}");

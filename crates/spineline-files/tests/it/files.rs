@@ -420,7 +420,24 @@ fn the_stiffness_table_round_trips_and_a_missing_joint_is_named() {
 
 #[test]
 fn every_schema_is_an_object_that_requires_its_format() {
-    for name in spineline_files::schema_names() {
+    let names: Vec<&str> = spineline_files::schema_names().collect();
+    assert_eq!(
+        names,
+        [
+            "case",
+            "analysis",
+            "cohort",
+            "model",
+            "load",
+            "provenance",
+            "refused-case",
+            "reliability",
+            "rotation-prior",
+            "simulation",
+            "stiffness",
+        ]
+    );
+    for name in names {
         let schema = spineline_files::schema(name).expect("a known format");
         let schema: serde_json::Value = serde_json::from_str(schema).expect("JSON");
         let required = schema.get("required").and_then(|r| r.as_array()).expect("required keys");

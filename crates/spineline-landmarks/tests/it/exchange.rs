@@ -96,7 +96,8 @@ fn apart(one: &Film, other: &Film) -> f64 {
 }
 
 fn axes(film: &Film) -> Vec<Option<f64>> {
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("corners") };
+    let readings = film.landmarks.corner_readings();
+    assert!(!readings.is_empty(), "phantoms have corners");
     let landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
     landmarks.map(|landmark| landmark.axis_clockwise.map(Angle::deg)).collect()
 }
@@ -321,7 +322,8 @@ fn locations_of_another_program_are_read_from_a_table() {
 /// The corners of an annotated film, without what labelme and COCO cannot hold: axes set by hand.
 pub fn without_axes(mut case: Case) -> Case {
     for film in &mut case.films {
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        let readings = film.landmarks.corner_readings_mut();
+        assert!(!readings.is_empty(), "phantoms have corners");
         for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
             landmark.axis_clockwise = None;
         }
@@ -334,7 +336,8 @@ fn with_confidences(case: Case) -> Case {
     let mut case = without_axes(case);
     let mut count = 0.0;
     for film in &mut case.films {
-        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        let readings = film.landmarks.corner_readings_mut();
+        assert!(!readings.is_empty(), "phantoms have corners");
         for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
             count += 1.0;
             let value = |corner: f64| 1.0 / (1.0 + 0.001 * (4.0 * count + corner));
@@ -373,7 +376,8 @@ pub fn read_back(case: &Case, target: LandmarkTarget<'_>) -> Vec<Film> {
 }
 
 fn confidences(film: &Film) -> Vec<Option<Corners<f64>>> {
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("corners") };
+    let readings = film.landmarks.corner_readings();
+    assert!(!readings.is_empty(), "phantoms have corners");
     let landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
     landmarks.map(|landmark| landmark.confidence).collect()
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level};
-use spineline::measure::{Corners, Film, FilmLandmarks, Origin, VertebraLandmarks};
+use spineline::measure::{Corners, Film, Origin, VertebraLandmarks};
 use spineline::spatial::Pixel;
 use spineline_landmarks::{
     LandmarkError, LandmarkHint, LandmarkTarget, export_landmarks, parse_landmarks,
@@ -45,7 +45,8 @@ fn proposed() -> Case {
 }
 
 fn landmarks(film: &Film) -> Vec<VertebraLandmarks> {
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("corners") };
+    let readings = film.landmarks.corner_readings();
+    assert!(!readings.is_empty(), "phantoms have corners");
     readings.iter().flat_map(|reading| reading.vertebrae.values().copied()).collect()
 }
 

@@ -15,13 +15,13 @@ use spineline_report::document::{Block, Table};
 use spineline_report::{Document, figures, html, reliability, terminal};
 
 use crate::common::{
-    GENERATOR, analyzed, case, cohort_report, exact, figure_names, rows, section, together,
-    with_films,
+    GENERATOR, analyzed, case, cohort_of, cohort_report, exact_rod, figure_names, rod_with_films,
+    rows, section,
 };
 use crate::terminal::tables;
 
 fn analysis(subject: usize, films: &[Posture]) -> Analysis {
-    analyzed(&with_films(subject, films))
+    analyzed(&rod_with_films(subject, films))
 }
 
 fn document(analyses: &[Analysis]) -> Document {
@@ -67,7 +67,7 @@ fn a_film_that_is_left_out_is_named_with_line_and_reason() {
     for simulation in postures.iter_mut().filter(|simulation| !simulation.fitted) {
         simulation.status = PathEnding::Unreachable;
     }
-    let cohort = together(&analyses);
+    let cohort = cohort_of(&analyses);
     assert_eq!(cohort.compared.missing.len(), 2, "one line on two films");
     let document = document(&analyses);
     let found = table(&document, "tests", "Films on which a line has no result").expect("a table");
@@ -83,14 +83,16 @@ fn a_film_that_is_left_out_is_named_with_line_and_reason() {
 
 #[test]
 fn a_doubted_film_and_a_shorter_chain_are_named() {
-    let mut case = exact(1);
+    let mut case = exact_rod(1);
     let landmarks = case.films[0].landmarks.clone();
     assert_eq!(case.films[0].posture, Posture::Erect);
     let left = case.films.iter_mut().find(|film| film.posture == Posture::LeftBending);
     left.expect("a bend").landmarks = landmarks;
     for film in &mut case.films {
         let is_left = film.posture == Posture::LeftBending;
-        for reading in film.landmarks.corner_readings_mut() {
+        let readings = film.landmarks.corner_readings_mut();
+        assert!(!readings.is_empty(), "phantoms have corners");
+        for reading in readings {
             reading.vertebrae.retain(|level, _| *level <= Level::T4);
             // Equal landmarks would be refused, so the film lies a little lower on its picture.
             for body in reading.vertebrae.values_mut().filter(|_| is_left) {
@@ -168,9 +170,11 @@ fn a_kind_of_film_without_results_says_so_in_place_of_an_empty_panel() {
 
 #[test]
 fn figures_of_a_shorter_chain_name_its_own_base() {
-    let mut case = exact(0);
+    let mut case = exact_rod(0);
     for film in &mut case.films {
-        for reading in film.landmarks.corner_readings_mut() {
+        let readings = film.landmarks.corner_readings_mut();
+        assert!(!readings.is_empty(), "phantoms have corners");
+        for reading in readings {
             reading.vertebrae.retain(|level, _| (Level::L3..=Level::T4).contains(level));
         }
     }

@@ -18,13 +18,13 @@ pub fn case(subject: usize, scenario: Scenario) -> Case {
 }
 
 /// A rod of a subject, read without error.
-pub fn exact(subject: usize) -> Case {
+pub fn exact_rod(subject: usize) -> Case {
     generate(subject, Scenario::Rod, &Readers::exact(), 1).expect("a subject of table 1").case
 }
 
 /// A rod of a subject, read without error, of which some films are kept.
-pub fn with_films(subject: usize, films: &[Posture]) -> Case {
-    let mut case = exact(subject);
+pub fn rod_with_films(subject: usize, films: &[Posture]) -> Case {
+    let mut case = exact_rod(subject);
     case.films.retain(|film| films.contains(&film.posture));
     case
 }
@@ -51,12 +51,12 @@ pub fn report(case: &Case) -> Document {
     patient::report(&shown(case, &analyzed(case), "{}"))
 }
 
-/// The patients of analyses together.
-pub fn together(analyses: &[Analysis]) -> Cohort {
+/// The cohort of these analyses.
+pub fn cohort_of(analyses: &[Analysis]) -> Cohort {
     Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1)
 }
 
-/// A cohort of which no case was refused.
+/// Rows of a cohort without refused cases.
 pub fn rows<'a>(patients: &'a [PatientRow], together: &'a Cohort) -> Rows<'a> {
     Rows { patients, together, refused: &[], generator: GENERATOR }
 }
@@ -70,7 +70,7 @@ pub fn cohort_report(
     cohort::report(&Patients {
         analyses,
         subjects,
-        together: &together(analyses),
+        together: &cohort_of(analyses),
         refused,
         generator: GENERATOR,
         json: "[]",

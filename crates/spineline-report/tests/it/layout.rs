@@ -4,7 +4,7 @@ use spineline::anatomy::Posture;
 use spineline_report::document::{Column, Section, Table};
 use spineline_report::{Document, figures, html};
 
-use crate::common::{analyzed, exact, report, with_films};
+use crate::common::{GENERATOR, analyzed, exact_rod, report, rod_with_films};
 
 /// Between the edges of a figure, for frames and written axes.
 const PAGE_PX: f64 = 900.0;
@@ -22,7 +22,7 @@ fn frames_px(svg: &str) -> Vec<[f64; 2]> {
 #[test]
 fn films_fill_the_page_whatever_their_number() {
     for (count, per_row) in [(2, 2), (3, 3), (4, 2), (5, 3)] {
-        let case = with_films(1, &Posture::ALL[..count]);
+        let case = rod_with_films(1, &Posture::ALL[..count]);
         let analysis = analyzed(&case);
         let frames = frames_px(&figures::films(&case, &analysis, &[]));
         assert_eq!(frames.len(), count);
@@ -40,7 +40,7 @@ fn films_fill_the_page_whatever_their_number() {
 
 #[test]
 fn films_may_fill_a_page() {
-    let case = exact(1);
+    let case = exact_rod(1);
     let document = report(&case);
     let whole: Vec<&str> =
         document.figures().filter(|f| f.whole_page).map(|f| f.name.as_str()).collect();
@@ -64,7 +64,7 @@ fn printed_tables_keep_their_heads() {
     section.table(table(200, 12));
     let document = Document {
         analysis: "{}".to_owned(),
-        ..Document::new("Report", "P07", "spineline test", vec![section])
+        ..Document::new("Report", "P07", GENERATOR, vec![section])
     };
     let text = html(&document);
     let (style, body) = text.split_once("</style>").expect("a style");

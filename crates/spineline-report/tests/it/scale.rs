@@ -8,11 +8,11 @@ use spineline_report::figures::{case_overview, line_identification, spine_in_spa
 use spineline_report::html;
 use spineline_report::patient::films_table;
 
-use crate::common::{analyzed, exact, report, section};
+use crate::common::{analyzed, exact_rod, report, section};
 
 /// A phantom whose films of some postures lack a spacing.
 fn case(without: &[Posture]) -> Case {
-    let mut case = exact(0);
+    let mut case = exact_rod(0);
     for film in case.films.iter_mut().filter(|film| without.contains(&film.posture)) {
         let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("corners") };
         image.spacing = None;

@@ -11,7 +11,7 @@ use spineline_phantom::Scenario;
 use spineline_report::cohort::{self, PatientRow};
 use spineline_report::{Document, WarningCounts, patient, terminal};
 
-use crate::common::{analyzed, case, rows, shown, together};
+use crate::common::{analyzed, case, cohort_of, rows, shown};
 use crate::terminal::tables;
 
 const WIDTH: usize = terminal::WIDTH;
@@ -125,7 +125,7 @@ fn an_erect_film_alone_says_what_to_add() {
 fn a_cohort_shows_the_test_of_every_patient_and_one_row_per_comparison() {
     let analyses: Vec<Analysis> =
         (0..4).map(|subject| analyzed(&case(subject, Scenario::Pull))).collect();
-    let together = together(&analyses);
+    let together = cohort_of(&analyses);
     let patients: Vec<PatientRow> = analyses.iter().map(PatientRow::of).collect();
     let document = cohort::summary(&rows(&patients, &together));
     first_screen(&document, 45);

@@ -15,7 +15,7 @@ use spineline_report::document::{Block, NoticeKind, Table};
 use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, reliability, terminal, warnings};
 
-use crate::common::{GENERATOR, analyzed, case, rows, shown, together};
+use crate::common::{GENERATOR, analyzed, case, cohort_of, rows, shown};
 
 const WIDTH: usize = 110;
 /// No line is broken below it.
@@ -378,7 +378,7 @@ fn a_patient_fits_the_terminal_width_and_two_pages() {
 fn a_cohort_shows_every_patient_line_and_test() {
     let cases: Vec<Case> = (0..4).map(|subject| case(subject, Scenario::Pull)).collect();
     let analyses: Vec<Analysis> = cases.iter().map(analyzed).collect();
-    let together = together(&analyses);
+    let together = cohort_of(&analyses);
     let patients: Vec<PatientRow> = analyses.iter().map(PatientRow::of).collect();
     let document = cohort::full(&rows(&patients, &together));
     assert_whole(&document);
@@ -433,7 +433,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
 
 #[test]
 fn an_empty_cohort_says_so() {
-    let document = cohort::summary(&rows(&[], &together(&[])));
+    let document = cohort::summary(&rows(&[], &cohort_of(&[])));
     assert!(terminal(&document, WIDTH).contains("No case could be analysed."));
 }
 

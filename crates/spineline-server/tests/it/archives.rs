@@ -108,17 +108,17 @@ fn a_film_of_an_archive_is_searched_opened_as_an_upload_and_logged() {
     let browser = app.observer("Ann");
     assert_eq!(browser.get("/api/archives").json(), json!(["clinic"]));
 
-    let found = browser.post("/api/archives/search", &search_body()).ok();
+    let found = browser.post("/api/archives/search", &search_body()).succeeded();
     let series = found.json()["series"][0].clone();
     assert_eq!((&series["day"], &series["films"]), (&json!("2024-05-17"), &json!(2)));
     let body = json!({ "archive": "clinic", "study": series["study"], "series": series["series"] });
     let films = browser.post("/api/archives/films", &body);
     assert_eq!(films.json()["films"][0]["rows"], 900, "{}", films.text());
 
-    let view = open(&browser, ["1.2", "1.2.3", "1.2.3.4"]).ok();
+    let view = open(&browser, ["1.2", "1.2.3", "1.2.3.4"]).succeeded();
     let film = uploaded_film(&view.json()["upload"], "erect");
     let new = json!({ "id": "S-17", "label": null, "films": [film] });
-    let made = browser.post("/api/studies", &new).ok();
+    let made = browser.post("/api/studies", &new).succeeded();
     for answer in [&found, &films, &view, &made] {
         assert!(!answer.text().contains("DOE") && !answer.text().contains("secret"));
     }
@@ -205,12 +205,12 @@ fn a_film_of_orthanc_becomes_a_study() {
     let archives = vec![clinic(&orthanc.address())];
     let app = app.restarted(ServeOptions { archives, ..decoding() });
     let browser = app.observer("Ann");
-    let found = browser.post("/api/archives/search", &search_body()).ok();
+    let found = browser.post("/api/archives/search", &search_body()).succeeded();
     let series = found.json()["series"][0].clone();
     let body = json!({ "archive": "clinic", "study": series["study"], "series": series["series"] });
     let film = browser.post("/api/archives/films", &body).json()["films"][0].clone();
     let text = |value: &Value| value.as_str().expect("a UID").to_owned();
     let [study, series, film] = [&series["study"], &series["series"], &film["instance"]].map(text);
-    let view = open(&browser, [&study, &series, &film]).ok();
+    let view = open(&browser, [&study, &series, &film]).succeeded();
     assert!(view.json()["columns"].as_u64() > Some(10), "{}", view.text());
 }

@@ -37,7 +37,7 @@ fn app() -> App {
         }
     });
     let plan = json!({ "observers": ["anna", "ben"], "repeats": 1, "washout_days": 0 });
-    app.account("lead").post(&format!("{STUDY}/plan"), &plan).ok();
+    app.account("lead").post(&format!("{STUDY}/plan"), &plan).succeeded();
     app
 }
 
@@ -51,7 +51,8 @@ fn code(browser: &Browser<'_>) -> String {
 
 /// Begins the next film; returns its reading.
 fn begin(browser: &Browser<'_>) -> i64 {
-    let begun = browser.post(&format!("/api/codes/{}/readings", code(browser)), &Value::Null).ok();
+    let begun =
+        browser.post(&format!("/api/codes/{}/readings", code(browser)), &Value::Null).succeeded();
     begun.json()["reading"].as_i64().expect("a number")
 }
 

@@ -181,14 +181,14 @@ impl App {
     pub fn observer(&self, observer: &str) -> Browser<'_> {
         let mut browser = self.browser();
         let how = json!({ "kind": "token", "token": self.token(), "observer": observer });
-        browser.sign_in(&how).ok();
+        browser.sign_in(&how).succeeded();
         browser
     }
 
     /// A browser that is signed in with an account.
     pub fn account(&self, who: &str) -> Browser<'_> {
         let mut browser = self.browser();
-        browser.sign_in(&account(who, PASSWORD)).ok();
+        browser.sign_in(&account(who, PASSWORD)).succeeded();
         browser
     }
 }
@@ -332,7 +332,7 @@ pub struct Answer {
 impl Answer {
     /// The answer to a request that has to succeed.
     #[track_caller]
-    pub fn ok(self) -> Self {
+    pub fn succeeded(self) -> Self {
         assert_eq!(self.status, StatusCode::OK, "{}", self.text());
         self
     }

@@ -42,9 +42,9 @@ fn replicates_are_computed_and_shown_and_cancelled() {
     assert_eq!(lead.get(PATH).json(), done);
     let change = |revision: u64, value: &str| changed_options(revision, &[("support", value)]);
     let options = "/api/studies/demo-rod-01/options";
-    assert_eq!(lead.put(options, &change(0, "free")).status, StatusCode::OK);
+    lead.put(options, &change(0, "free")).succeeded();
     assert_eq!(lead.get(PATH).json()["state"], "none");
-    assert_eq!(lead.put(options, &change(1, "")).status, StatusCode::OK);
+    lead.put(options, &change(1, "")).succeeded();
     assert_eq!(lead.get(PATH).json(), done);
 
     assert_eq!(lead.post(PATH, &json!({ "count": 2000 })).status, StatusCode::OK);
@@ -137,7 +137,7 @@ fn identifiability_and_other_models_are_computed_and_exported() {
 
     // Other options give other results.
     let change = changed_options(0, &[("support", "free")]);
-    lead.put("/api/studies/demo-rod-01/options", &change).ok();
+    lead.put("/api/studies/demo-rod-01/options", &change).succeeded();
     for kind in ["identifiability", "models"] {
         assert_eq!(lead.get(&path(kind)).json()["state"], "none", "{kind}");
     }

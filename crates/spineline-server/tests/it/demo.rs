@@ -23,7 +23,7 @@ pub fn demo(browser: &Browser<'_>) -> Value {
 
 /// Adds the demonstration.
 pub fn add_demo(browser: &Browser<'_>) -> Value {
-    browser.post("/api/studies/demo", &Value::Null).ok().json()
+    browser.post("/api/studies/demo", &Value::Null).succeeded().json()
 }
 
 /// A store shared by the tests of this build; tests must not change it. Drawing the films takes seconds.

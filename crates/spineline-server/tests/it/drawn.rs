@@ -23,7 +23,7 @@ fn a_drawn_length_is_in_the_patients_millimetres_and_is_stored_nowhere() {
     let study = || browser.get("/api/studies/demo-rod-01").text();
     let before = study();
     let path = format!("/api/films/{film}/drawn");
-    let view = browser.post(&path, &length(500.0)).ok().json();
+    let view = browser.post(&path, &length(500.0)).succeeded().json();
     let text = view["text"].as_str().expect("a text");
     assert!(text.starts_with(&format!("{:.1} ± ", 500.0 * row_mm)), "{view}");
     assert!(view["note"].as_str().is_some_and(|note| note.starts_with("mm (patient)")), "{view}");

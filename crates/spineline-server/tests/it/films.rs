@@ -51,7 +51,8 @@ pub fn record(
 }
 
 pub fn begin(browser: &Browser<'_>, film: i64) -> i64 {
-    let begun = browser.post(&format!("/api/films/{film}/readings"), &json!({ "repeat": 1 })).ok();
+    let begun =
+        browser.post(&format!("/api/films/{film}/readings"), &json!({ "repeat": 1 })).succeeded();
     begun.json()["reading"].as_i64().expect("a number")
 }
 
@@ -68,7 +69,7 @@ fn thumbnails_and_scales_of_films_survive_a_restart() {
     let nothing = ServeOptions { decoder: "/nowhere".into(), ..decoding() };
     let app = app.restarted(nothing);
     let browser = app.observer("Ann");
-    let again = browser.get(&format!("/api/films/{id}/thumbnail")).ok();
+    let again = browser.get(&format!("/api/films/{id}/thumbnail")).succeeded();
     assert!(small.starts_with(b"\x89PNG") && again.body == small);
     assert_eq!(film(&browser.get("/api/studies/demo-rod-01").json()), before);
     assert_eq!(before["row_mm"], json!(0.2));
@@ -87,7 +88,7 @@ fn a_reading_is_recorded_undone_reloaded_and_finished() {
     assert_eq!(browser.get("/api/studies").json().as_array().map(Vec::len), Some(1));
 
     let film = films[0]["film"].as_i64().expect("a number");
-    let pixels = browser.get(&format!("/api/films/{film}/pixels")).ok();
+    let pixels = browser.get(&format!("/api/films/{film}/pixels")).succeeded();
     let number = |name: &str| pixels.header(name).parse::<f64>().expect("a number");
     let count = number("x-spineline-columns") * number("x-spineline-rows");
     assert_eq!(pixels.body.len() as f64, 2.0 * count);
@@ -240,7 +241,7 @@ fn a_patients_name_reaches_neither_answers_nor_the_store() {
     let app = app_with_demo();
     let browser = app.observer("Ann");
     let bytes = film_of(&app);
-    let uploaded = upload(&browser, bytes).ok();
+    let uploaded = upload(&browser, bytes).succeeded();
     let view = uploaded.json();
     let id = view["upload"].as_str().expect("a name");
     assert!(browser.get(&format!("/api/uploads/{id}/thumbnail")).body.starts_with(b"\x89PNG"));
@@ -248,7 +249,7 @@ fn a_patients_name_reaches_neither_answers_nor_the_store() {
     assert_eq!(others.get(&format!("/api/uploads/{id}/thumbnail")).status, StatusCode::NOT_FOUND);
     let film = uploaded_film(&view["upload"], "erect");
     let new = json!({ "id": "S-17", "label": null, "films": [film] });
-    let made = browser.post("/api/studies", &new).ok();
+    let made = browser.post("/api/studies", &new).succeeded();
     let case = browser.get("/api/studies/S-17/case");
     for answer in [&uploaded, &made, &case] {
         assert!(!answer.text().contains("DOE"), "{}", answer.text());
@@ -275,8 +276,7 @@ fn uploads_that_no_study_uses_have_a_limit_that_says_what_to_do() {
     let (ann, bob) = (app.observer("Ann"), app.observer("Bob"));
     let bytes = film_of(&app);
     let id = |answer: crate::browser::Answer| {
-        assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
-        answer.json()["upload"].as_str().expect("a name").to_owned()
+        answer.succeeded().json()["upload"].as_str().expect("a name").to_owned()
     };
     let first = id(upload(&ann, bytes.clone()));
     id(upload(&ann, bytes.clone()));
@@ -316,7 +316,7 @@ fn uploads_that_no_study_uses_are_dropped_in_time() {
     let ann = app.observer("Ann");
     let bytes = film_of(&app);
     for _ in 0..3 {
-        let view = upload(&ann, bytes.clone()).ok();
+        let view = upload(&ann, bytes.clone()).succeeded();
         let id = view.json()["upload"].as_str().expect("a name").to_owned();
         let gone = ann.get(&format!("/api/uploads/{id}/thumbnail"));
         assert_eq!(gone.status, StatusCode::NOT_FOUND);
@@ -346,7 +346,7 @@ fn no_answer_to_a_blinded_reader_contains_a_posture() {
     let reader = app.observer("Bob");
     let detail = reader.get("/api/studies/blind");
     let code = detail.json()["plan"]["next"]["code"].as_str().expect("a code").to_owned();
-    let begun = reader.post(&format!("/api/codes/{code}/readings"), &Value::Null).ok();
+    let begun = reader.post(&format!("/api/codes/{code}/readings"), &Value::Null).succeeded();
     let reading = begun.json()["reading"].as_i64().expect("a number");
     let pixels = reader.get(&format!("/api/readings/{reading}/pixels"));
     assert_eq!((pixels.status, pixels.header("etag").as_str()), (StatusCode::OK, ""));

@@ -60,10 +60,10 @@ fn check(answer: &Answer, path: &str, canaries: &[&str]) {
 
 /// A study of one uploaded film, with a reading; its film and reading.
 fn uploaded_study(browser: &Browser<'_>, bytes: Vec<u8>) -> [i64; 2] {
-    let view = upload(browser, bytes).ok();
+    let view = upload(browser, bytes).succeeded();
     let film = uploaded_film(&view.json()["upload"], "erect");
     let new = json!({ "id": "S-17", "label": PATIENTS[2], "films": [film] });
-    let made = browser.post("/api/studies", &new).ok();
+    let made = browser.post("/api/studies", &new).succeeded();
     let film = made.json()["summary"]["films"][0]["film"].as_i64().expect("a number");
     [film, begin(browser, film)]
 }

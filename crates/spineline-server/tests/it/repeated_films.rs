@@ -34,7 +34,7 @@ fn film(posture: Posture, grey: u16, encoding: Encoding) -> Vec<u8> {
 
 /// Uploads a film; its name and the codes of its notices.
 fn uploaded(browser: &Browser<'_>, bytes: Vec<u8>) -> (String, Vec<String>) {
-    let view = upload(browser, bytes).ok().json();
+    let view = upload(browser, bytes).succeeded().json();
     let notices = view["notices"].as_array().expect("a list").iter();
     let codes = notices.map(|notice| notice["code"].as_str().expect("a code").to_owned());
     (view["upload"].as_str().expect("a name").to_owned(), codes.collect())
@@ -132,7 +132,7 @@ fn a_study_takes_one_lateral_film_with_the_side_of_the_front() {
     assert!(refused.text().contains("two lateral films"), "{}", refused.text());
     let made = browser
         .post("/api/studies", &json!({ "id": "S-1", "label": null, "films": [erect, lateral] }))
-        .ok();
+        .succeeded();
     let case = browser.get("/api/studies/S-1/case").text();
     let lateral = spineline_files::parse_case(&case).expect("a case").lateral.expect("its film");
     assert_eq!((lateral.image.patient_left, lateral.simultaneous), (ImageSide::Right, true));

@@ -133,7 +133,7 @@ fn sessions_survive_a_restart() {
     let app = app.restarted(options(Access::Token));
     let mut browser = app.browser();
     (browser.cookie, browser.csrf) = (cookie.clone(), csrf);
-    let session = browser.get("/api/session").ok();
+    let session = browser.get("/api/session").succeeded();
     assert_eq!(session.json()["name"], "A");
     assert_eq!(session.json()["csrf"], browser.csrf.as_str());
     // When a store is later served with accounts, sessions of the token are not valid.
@@ -152,7 +152,7 @@ fn a_token_signs_in_one_browser() {
     assert_eq!(browser.sign_in(&how).status, StatusCode::UNPROCESSABLE_ENTITY);
     assert_eq!(app.token(), first, "a mistake costs nothing");
     let how = json!({ "kind": "token", "token": first, "observer": "A" });
-    let answer = browser.sign_in(&how).ok();
+    let answer = browser.sign_in(&how).succeeded();
     assert_eq!(answer.json()["role"], "admin");
     let again = app.browser().sign_in(&how);
     assert_eq!((again.status, again.code().as_str()), (StatusCode::UNAUTHORIZED, "wrong"));

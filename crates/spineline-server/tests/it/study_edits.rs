@@ -47,7 +47,7 @@ fn a_reading_is_withdrawn_by_its_observer_or_an_admin() {
     let image = json!({ "columns": 10, "rows": 10, "patient_left": "image_left" });
     let added = store.add_film(&name("S-2"), Posture::Neutral, b"a film", &image, &by("lead"));
     let film = added.expect("a film").0;
-    let begin = |browser: &Browser<'_>, film: i64, repeat: u32| {
+    let begin_repeat = |browser: &Browser<'_>, film: i64, repeat: u32| {
         let path = format!("/api/films/{film}/readings");
         let begun = browser.post(&path, &json!({ "repeat": repeat })).json();
         begun["reading"].as_i64().expect("a number")
@@ -56,12 +56,12 @@ fn a_reading_is_withdrawn_by_its_observer_or_an_admin() {
         let reason = json!({ "reason": "another patient" });
         browser.post(&format!("/api/readings/{reading}/withdrawal"), &reason)
     };
-    let (own, other) = (begin(&editor, film, 1), begin(&lead, film, 1));
+    let (own, other) = (begin_repeat(&editor, film, 1), begin_repeat(&lead, film, 1));
     assert_eq!(withdraw(&editor, other).status, StatusCode::FORBIDDEN);
     let withdrawn = withdraw(&editor, own);
     assert_eq!(withdrawn.json()["withdrawn"]["reason"], "another patient");
     assert_eq!(withdraw(&lead, own).code(), "withdrawn");
-    let second = begin(&editor, film, 2);
+    let second = begin_repeat(&editor, film, 2);
     assert_eq!(withdraw(&lead, second).json()["withdrawn"]["who"], "lead");
 }
 
@@ -82,7 +82,7 @@ fn films_are_added_to_a_study_once_and_not_to_a_planned_one() {
     let same = add(json!([film(0, "neutral")]));
     assert!(same.text().contains("are the same picture"), "{}", same.text());
     assert!(add(json!([])).text().contains("has no film"));
-    let added = add(json!([film(1, "left_bending"), film(2, "right_bending")])).ok();
+    let added = add(json!([film(1, "left_bending"), film(2, "right_bending")])).succeeded();
     let films = added.json()["summary"]["films"].as_array().expect("films").len();
     assert_eq!(films, 3);
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use spineline_store::{Account, Finding, Name, PasswordHash, Role, Store, StoreError};
 
-use crate::session::{STEPS, after, by, folder, name, store_after, try_fingerprint};
+use crate::session::{STEPS, by, create_after, folder, folder_with_store, name, try_fingerprint};
 
 #[test]
 fn a_changed_byte_in_any_page_is_reported_or_harmless() {
@@ -64,7 +64,7 @@ fn a_changed_byte_in_any_page_is_reported_or_harmless() {
 
 /// A store without nearly empty tables, so that most of its bytes are used.
 fn full_store(path: &Path) -> Store {
-    let mut store = after(path, STEPS);
+    let mut store = create_after(path, STEPS);
     let password = PasswordHash::new("a sentence that all share", &account(0)).expect("a password");
     for number in 0..ACCOUNTS {
         let account = Account { name: account(number), role: Role::Reader, enabled: true };
@@ -85,7 +85,7 @@ fn account(number: usize) -> Name {
 fn a_truncated_store_is_refused_or_reported_as_damaged() {
     let folder = folder();
     let path = folder.path().join("store");
-    drop(after(&path, STEPS));
+    drop(create_after(&path, STEPS));
     let bytes = fs::read(&path).expect("a file");
     for length in (1..bytes.len()).step_by(4096 + 512) {
         fs::write(&path, &bytes[..length]).expect("a file");
@@ -101,7 +101,7 @@ fn a_truncated_store_is_refused_or_reported_as_damaged() {
 
 #[test]
 fn a_film_with_changed_bytes_is_not_returned() {
-    let (folder, store) = store_after(3);
+    let (folder, store) = folder_with_store(3);
     let path = folder.path().join("store");
     let content = store.films(&crate::session::name("S-1")).expect("films")[0].content.clone();
     drop(store);

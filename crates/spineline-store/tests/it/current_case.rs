@@ -7,7 +7,7 @@ use spineline_store::{
     CaseReadings, Corner, Event, FilmEdit, FilmId, ReadingId, Store, StoreError, Study,
 };
 
-use crate::session::{by, film_bytes, name, new_store, place};
+use crate::session::{by, film_bytes, folder_with_new_store, name, place};
 
 const STUDY: &str = "S-1";
 
@@ -185,7 +185,7 @@ fn parsed(films: &[Value]) -> Case {
 
 #[test]
 fn the_case_of_finished_readings_equals_the_case_file() {
-    let (_folder, mut store) = new_store();
+    let (_folder, mut store) = folder_with_new_store();
     study(&mut store);
     let current = store.current_case(&name(STUDY), CaseReadings::Finished).expect("a case");
     // The left film has no finished reading; the right one has no marked vertebra of the model.
@@ -202,7 +202,7 @@ fn the_case_of_finished_readings_equals_the_case_file() {
 
 #[test]
 fn the_case_of_an_open_reading_has_complete_vertebrae_and_pending_events() {
-    let (_folder, mut store) = new_store();
+    let (_folder, mut store) = folder_with_new_store();
     let reading = study(&mut store);
     let case = |pending: &[Event]| {
         store
@@ -221,7 +221,7 @@ fn the_case_of_an_open_reading_has_complete_vertebrae_and_pending_events() {
 
 #[test]
 fn an_image_invalid_in_a_case_file_is_refused() {
-    let (_folder, mut store) = new_store();
+    let (_folder, mut store) = folder_with_new_store();
     let (lead, id) = (by("lead", 0), name(STUDY));
     store.add_study(&Study::new(id.clone(), None, true), &lead).expect("new");
     let image = json!({
@@ -237,7 +237,7 @@ fn an_image_invalid_in_a_case_file_is_refused() {
 
 #[test]
 fn an_incomplete_film_is_used_once_it_shows_enough() {
-    let (_folder, mut store) = new_store();
+    let (_folder, mut store) = folder_with_new_store();
     let (lead, id) = (by("lead", 0), name(STUDY));
     store.add_study(&Study::new(id.clone(), None, true), &lead).expect("new");
     let (posture, image) = images().into_iter().next().expect("a picture");

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use rusqlite::Connection;
 use spineline_store::{Finding, Store, StoreError, Study};
 
-use crate::session::{STEPS, after, by, create, fingerprint, folder, name, run, take};
+use crate::session::{STEPS, by, create, create_after, fingerprint, folder, name, run, run_steps};
 
 fn beside(path: &Path, end: &str) -> PathBuf {
     PathBuf::from(format!("{}{end}", path.display()))
@@ -45,7 +45,7 @@ fn a_log_of_another_store_destroys_nothing() {
     let mut other = Store::create(&at("other"), &by("lead", 1)).expect("another store");
     let study = |number: usize| Study::new(name(&format!("T-{number}")), None, true);
     for steps in [0, 1, 4, STEPS] {
-        let store = after(&at("store"), steps);
+        let store = create_after(&at("store"), steps);
         let sound = fingerprint(&store);
         drop(store);
         for number in 0..3 {
@@ -66,11 +66,11 @@ fn a_backup_in_the_place_of_a_killed_store_does_not_become_the_newer_store() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     for begun in [1, 5, 8, 20] {
-        let mut store = after(&at("store"), begun);
+        let mut store = create_after(&at("store"), begun);
         assert!(store.backup_to(&at("backup")).expect("a backup").is_clean());
         let in_backup = fingerprint(&store);
         for step in begun..STEPS {
-            take(&mut store, step..step + 1);
+            run_steps(&mut store, step..step + 1);
             killed(&at("store"), &at("killed"));
             fs::copy(at("backup"), at("killed")).expect("the usual advice");
             assert_refused(&at("killed"), "-wal");
@@ -91,13 +91,13 @@ fn a_backup_in_the_place_of_a_killed_store_does_not_become_the_newer_store() {
 fn an_earlier_copy_in_the_place_of_a_killed_store_does_not_become_the_newer_store() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    drop(after(&at("store"), 6));
+    drop(create_after(&at("store"), 6));
     fs::copy(at("store"), at("copy")).expect("a copy of a closed store");
     let mut store = Store::open(&at("store")).expect("a store");
-    take(&mut store, 6..8);
+    run_steps(&mut store, 6..8);
     drop(store);
     let mut store = Store::open(&at("store")).expect("a store");
-    take(&mut store, 8..20);
+    run_steps(&mut store, 8..20);
     killed(&at("store"), &at("killed"));
     fs::copy(at("copy"), at("killed")).expect("a copy");
     assert_refused(&at("killed"), "-wal");
@@ -107,9 +107,9 @@ fn an_earlier_copy_in_the_place_of_a_killed_store_does_not_become_the_newer_stor
 fn a_damaged_log_is_kept_unless_only_its_last_change_is_unreadable() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let mut store = after(&at("store"), STEPS - 1);
+    let mut store = create_after(&at("store"), STEPS - 1);
     let before_last = fingerprint(&store);
-    take(&mut store, STEPS - 1..STEPS);
+    run_steps(&mut store, STEPS - 1..STEPS);
     killed(&at("store"), &at("killed"));
     let (main, log) =
         (fs::read(at("killed")).expect("bytes"), fs::read(at("killed-wal")).expect("bytes"));
@@ -162,7 +162,7 @@ fn a_journal_of_another_program_is_not_written_into_the_store() {
 fn a_new_store_does_not_destroy_the_log_of_one_that_is_missing() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let store = after(&at("store"), 10);
+    let store = create_after(&at("store"), 10);
     killed(&at("store"), &at("killed"));
     let log = fs::read(at("killed-wal")).expect("a log");
     for content in [None, Some("")] {
@@ -187,7 +187,7 @@ fn a_new_store_does_not_destroy_the_log_of_one_that_is_missing() {
 fn a_damaged_store_is_called_damaged() {
     let folder = folder();
     let path = folder.path().join("store");
-    drop(after(&path, STEPS));
+    drop(create_after(&path, STEPS));
     let sound = fs::read(&path).expect("bytes");
     let parts = [(0, 16), (0, 100), (16, 24), (68, 72), (100, 4096), (0, 4096), (0, sound.len())];
     for (from, to) in parts {
@@ -205,7 +205,7 @@ fn a_damaged_store_is_called_damaged() {
 fn a_store_that_two_versions_were_mixed_into_is_not_opened_for_writing() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let mut store = after(&at("store"), STEPS);
+    let mut store = create_after(&at("store"), STEPS);
     assert!(store.backup_to(&at("backup")).expect("a backup").is_clean());
     for number in 0..400 {
         let study = Study::new(name(&format!("T-{number}")), None, true);
@@ -229,7 +229,7 @@ fn a_store_that_two_versions_were_mixed_into_is_not_opened_for_writing() {
 fn a_lost_log_is_missed_and_the_audit_log_says_so() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let store = after(&at("store"), STEPS);
+    let store = create_after(&at("store"), STEPS);
     let acknowledged = store.head().expect("a head").entries;
     killed(&at("store"), &at("killed"));
     fs::remove_file(at("killed-wal")).expect("removed");
@@ -261,13 +261,13 @@ fn after_seconds_of_rest_the_main_file_alone_holds_every_change() {
         let _ = fs::remove_file(at("copy-head"));
         fingerprint(&Store::view(&copy).expect("a store")) == fingerprint(store)
     };
-    take(&mut store, 0..12);
+    run_steps(&mut store, 0..12);
     assert!(!alone(&store));
     store.rest().expect("a first look");
     assert!(!alone(&store), "it is in use");
     store.rest().expect("a checkpoint");
     assert!(alone(&store));
-    take(&mut store, 12..STEPS);
+    run_steps(&mut store, 12..STEPS);
     store.rest().expect("a look");
     store.rest().expect("a checkpoint");
     assert!(alone(&store));

@@ -6,7 +6,10 @@ use rusqlite::Connection;
 use sha2::{Digest, Sha256};
 use spineline_store::{Finding, Hash, Store, StoreError, Thumbnails};
 
-use crate::session::{STEPS, after, create, folder, name, new_store, run, store_after, take};
+use crate::session::{
+    STEPS, create, create_after, folder, folder_with_new_store, folder_with_store, name, run,
+    run_steps,
+};
 
 /// Edits tables like an attacker: removes the triggers and restores them.
 fn attack(path: &Path, sql: &str) {
@@ -30,14 +33,14 @@ fn attack(path: &Path, sql: &str) {
 fn findings_after(sql: &str) -> Vec<Finding> {
     let folder = folder();
     let path = folder.path().join("store");
-    drop(after(&path, STEPS));
+    drop(create_after(&path, STEPS));
     attack(&path, sql);
     Store::view(&path).expect("a store").verify(None).expect("verifiable").findings
 }
 
 #[test]
 fn an_undamaged_store_has_no_findings_and_one_entry_per_change() {
-    let (_folder, store) = store_after(STEPS);
+    let (_folder, store) = folder_with_store(STEPS);
     assert_eq!(findings_after("SELECT 1"), []);
     let log = store.audit_log().expect("a log");
     // One for the creation, one per step, two for the bytes of films, one for the clock that went back.
@@ -48,9 +51,9 @@ fn an_undamaged_store_has_no_findings_and_one_entry_per_change() {
 
 #[test]
 fn a_click_changes_a_study_but_not_its_results() {
-    let (_folder, mut store) = new_store();
+    let (_folder, mut store) = folder_with_new_store();
     let study = name("S-1");
-    take(&mut store, 0..2);
+    run_steps(&mut store, 0..2);
     for step in 2..STEPS {
         let before = (store.last_change(&study), store.last_result_change(&study));
         run(&mut store, step).expect("a step");
@@ -67,7 +70,7 @@ fn a_click_changes_a_study_but_not_its_results() {
 
 #[test]
 fn thumbnails_are_stored_for_known_films_outside_of_the_log() {
-    let (folder, mut store) = store_after(STEPS);
+    let (folder, mut store) = folder_with_store(STEPS);
     let path = folder.path().join("store");
     let content = store.films(&name("S-1")).expect("films")[0].content.clone();
     let head = store.head().expect("a head");
@@ -85,7 +88,7 @@ fn thumbnails_are_stored_for_known_films_outside_of_the_log() {
 
 #[test]
 fn the_hash_chain_follows_its_description() {
-    let (_folder, store) = store_after(STEPS);
+    let (_folder, store) = folder_with_store(STEPS);
     let mut previous = String::new();
     for entry in store.audit_log().expect("a log") {
         let json = format!(
@@ -102,7 +105,7 @@ fn the_hash_chain_follows_its_description() {
 fn the_database_refuses_edits_of_append_only_tables() {
     let folder = folder();
     let path = folder.path().join("store");
-    drop(after(&path, STEPS));
+    drop(create_after(&path, STEPS));
     let raw = Connection::open(&path).expect("a database");
     for sql in [
         "UPDATE events SET event = '{}'",
@@ -179,7 +182,7 @@ fn edited_removed_and_inserted_rows_are_detected_in_every_table() {
 fn a_missing_trigger_is_detected() {
     let folder = folder();
     let path = folder.path().join("store");
-    drop(after(&path, STEPS));
+    drop(create_after(&path, STEPS));
     let raw = Connection::open(&path).expect("a database");
     raw.execute_batch("DROP TRIGGER events_are_never_edited").expect("a drop");
     drop(raw);
@@ -192,7 +195,7 @@ fn a_missing_trigger_is_detected() {
 fn a_rewritten_log_is_detected_only_with_an_external_head() {
     let folder = folder();
     let (path, other) = (folder.path().join("store"), folder.path().join("other"));
-    let mut store = after(&path, STEPS);
+    let mut store = create_after(&path, STEPS);
     let kept = store.head().expect("a head");
     assert!(store.verify(Some(&kept)).expect("verifiable").is_clean());
     // The log may grow.
@@ -201,7 +204,7 @@ fn a_rewritten_log_is_detected_only_with_an_external_head() {
     assert!(store.verify(Some(&kept)).expect("verifiable").is_clean());
     // Another valid log.
     let mut forged = create(&other);
-    take(&mut forged, 0..STEPS - 1);
+    run_steps(&mut forged, 0..STEPS - 1);
     assert!(forged.verify(None).expect("verifiable").is_clean());
     let found = forged.verify(Some(&kept)).expect("verifiable").findings;
     assert_eq!(found, [Finding::Rewritten]);

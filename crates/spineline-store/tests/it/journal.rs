@@ -7,12 +7,13 @@ use spineline_store::{
 };
 
 use crate::session::{
-    FILM, READING, STEPS, by, clicks, film_bytes, fingerprint, image, name, place, store_after,
+    FILM, READING, STEPS, by, clicks, film_bytes, fingerprint, folder_with_store, image, name,
+    place,
 };
 
 #[test]
 fn every_click_is_in_the_state_after_a_reload() {
-    let (folder, store) = store_after(STEPS);
+    let (folder, store) = folder_with_store(STEPS);
     drop(store);
     let store = Store::open(&folder.path().join("store")).expect("a store");
     let state = store.reading_state(READING).expect("a state");
@@ -34,7 +35,7 @@ fn every_click_is_in_the_state_after_a_reload() {
 
 #[test]
 fn undo_and_redo_cover_every_edit_and_survive_a_reload() {
-    let (folder, mut store) = store_after(5);
+    let (folder, mut store) = folder_with_store(5);
     let path = folder.path().join("store");
     let mut states = vec![store.reading_state(READING).expect("a state").vertebrae];
     let corners = &clicks()[..12];
@@ -63,7 +64,7 @@ fn undo_and_redo_cover_every_edit_and_survive_a_reload() {
 
 #[test]
 fn a_stale_click_is_refused_and_kept() {
-    let (folder, mut store) = store_after(5);
+    let (folder, mut store) = folder_with_store(5);
     let mut tab = Store::open(&folder.path().join("store")).expect("the same store");
     let (first, second) = (
         place(Level::L4, Corner::SuperiorLeft, 1.0, 2.0),
@@ -87,7 +88,7 @@ fn a_stale_click_is_refused_and_kept() {
 
 #[test]
 fn a_stale_edit_of_a_film_is_refused_and_kept() {
-    let (_folder, mut store) = store_after(4);
+    let (_folder, mut store) = folder_with_store(4);
     let edit = FilmEdit::Posture(Posture::RightBending);
     let lost = store.edit_film(FILM, edit, 0, &by("other", 20));
     assert!(matches!(lost, Err(StoreError::Conflict { expected: 0, found: 1, .. })), "{lost:?}");
@@ -101,7 +102,7 @@ fn a_stale_edit_of_a_film_is_refused_and_kept() {
 
 #[test]
 fn a_film_is_checked_until_its_posture_changes() {
-    let (_folder, mut store) = store_after(4);
+    let (_folder, mut store) = folder_with_store(4);
     let mut edit = |revision, edit| {
         store.edit_film(FILM, edit, revision, &by("lead", 20)).expect("an edit");
         let film = store.films(&name("S-1")).expect("films").remove(0);
@@ -117,7 +118,7 @@ fn a_film_is_checked_until_its_posture_changes() {
 
 #[test]
 fn a_finished_reading_is_immutable_and_an_open_one_belongs_to_its_observer() {
-    let (_folder, mut store) = store_after(STEPS);
+    let (_folder, mut store) = folder_with_store(STEPS);
     let last = clicks().len() as u64;
     let before = fingerprint(&store);
     let refused = store.record(READING, &Event::Redo, last, &by("A", 90));
@@ -135,7 +136,7 @@ fn a_finished_reading_is_immutable_and_an_open_one_belongs_to_its_observer() {
 
 #[test]
 fn an_invalid_event_is_refused_with_its_reason_and_changes_no_state() {
-    let (_folder, mut store) = store_after(5);
+    let (_folder, mut store) = folder_with_store(5);
     let before = fingerprint(&store);
     let (level, corner) = (Level::L4, Corner::InferiorLeft);
     for event in [
@@ -161,7 +162,7 @@ fn an_invalid_event_is_refused_with_its_reason_and_changes_no_state() {
 
 #[test]
 fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
-    let (_folder, mut store) = store_after(5 + 6);
+    let (_folder, mut store) = folder_with_store(5 + 6);
     let refused = store.finish_reading(READING, 6, &by("A", 90));
     let level = Level::L3;
     assert!(
@@ -174,7 +175,7 @@ fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
 
 #[test]
 fn a_repeated_picture_is_reported_with_its_posture() {
-    let (folder, mut store) = store_after(3);
+    let (folder, mut store) = folder_with_store(3);
     let again =
         store.add_film(&name("S-1"), Posture::Traction, &film_bytes(2), &image(), &by("lead", 9));
     assert!(
@@ -214,7 +215,7 @@ fn possible_patient_names_are_refused_without_quoting_them() {
 
 #[test]
 fn an_exported_case_round_trips_with_every_corner() {
-    let (_folder, store) = store_after(STEPS);
+    let (_folder, store) = folder_with_store(STEPS);
     let exported = store.export_case(&name("S-1")).expect("a case");
     let expected = [
         ExportRemark::ScaleLeftOut { reading: READING },
@@ -241,7 +242,7 @@ fn an_exported_case_round_trips_with_every_corner() {
 
 #[test]
 fn a_store_saved_and_loaded_a_thousand_times_exports_the_same_bytes() {
-    let (folder, store) = store_after(STEPS);
+    let (folder, store) = folder_with_store(STEPS);
     drop(store);
     let path = folder.path().join("store");
     let first = Store::open(&path).and_then(|s| s.export_case(&name("S-1"))).expect("a case");
@@ -260,7 +261,7 @@ fn a_store_saved_and_loaded_a_thousand_times_exports_the_same_bytes() {
 
 #[test]
 fn a_clock_that_jumps_back_is_recorded_and_order_is_kept() {
-    let (_folder, mut store) = store_after(5);
+    let (_folder, mut store) = folder_with_store(5);
     let corners = &clicks()[..3];
     for (revision, (event, minutes)) in (0..).zip(corners.iter().zip([10, -100_000, 11])) {
         store.record(READING, event, revision, &by("A", minutes)).expect("an event");
@@ -277,7 +278,7 @@ fn a_clock_that_jumps_back_is_recorded_and_order_is_kept() {
 
 #[test]
 fn all_levels_are_shifted_by_one_change_that_can_be_undone() {
-    let (_folder, mut store) = store_after(5);
+    let (_folder, mut store) = folder_with_store(5);
     let by = by("A", 60);
     store.record_all(READING, &clicks()[..12], 0, &by).expect("corners");
     let before = store.reading_state(READING).expect("a state").vertebrae;

@@ -7,7 +7,7 @@ use spineline_store::{
 };
 use tempfile::TempDir;
 
-use crate::session::{by, film_bytes, name, new_store, place};
+use crate::session::{by, film_bytes, folder_with_new_store, name, place};
 
 /// A case of one vertebra, with pedicles on the erect film, and a lateral film that was exposed with it.
 fn case() -> Value {
@@ -34,7 +34,7 @@ fn read(case: &Value) -> NewCase {
 
 /// A store with the case, and its lateral film.
 fn stored() -> (TempDir, Store, FilmId) {
-    let (folder, mut store) = new_store();
+    let (folder, mut store) = folder_with_new_store();
     let added = store.add_case(&read(&case()), &by("lead", 1)).expect("a study");
     assert_eq!((added.readings, &added.remarks[..]), (2, &[][..]));
     (folder, store, added.films[1])
@@ -70,7 +70,7 @@ fn a_case_with_a_lateral_film_and_pedicles_comes_back_whole() {
 fn a_lateral_film_without_a_picture_stays_in_its_case_file() {
     let mut case = case();
     case["lateral"]["image"].as_object_mut().expect("an image").remove("file");
-    let (_folder, mut store) = new_store();
+    let (_folder, mut store) = folder_with_new_store();
     let added = store.add_case(&read(&case), &by("lead", 1)).expect("a study");
     assert_eq!((added.films.len(), &added.remarks[..]), (1, &[CaseRemark::Lateral][..]));
 }

@@ -9,12 +9,13 @@ use rusqlite::Connection;
 use spineline_store::{Event, Store, StoreError};
 
 use crate::session::{
-    READING, STEPS, after, by, clicks, fingerprint, folder, name, run, store_after, take,
+    READING, STEPS, by, clicks, create_after, fingerprint, folder, folder_with_store, name, run,
+    run_steps,
 };
 
 #[test]
 fn a_store_written_by_another_program_is_busy_until_it_ends() {
-    let (folder, mut store) = store_after(5);
+    let (folder, mut store) = folder_with_store(5);
     let path = folder.path().join("store");
     store.set_busy_timeout(Duration::from_millis(200)).expect("a time");
     let other = Connection::open(&path).expect("a database");
@@ -35,7 +36,7 @@ fn a_store_written_by_another_program_is_busy_until_it_ends() {
 fn two_connections_that_alternate_lose_no_change() {
     let folder = folder();
     let path = folder.path().join("store");
-    let mut stores = [after(&path, 5), Store::open(&path).expect("the same store")];
+    let mut stores = [create_after(&path, 5), Store::open(&path).expect("the same store")];
     for (revision, event) in (0_u64..).zip(&clicks()) {
         let store = &mut stores[revision as usize % 2];
         store.record(READING, event, revision, &by("A", 10)).expect("an event");
@@ -48,7 +49,7 @@ fn two_connections_that_alternate_lose_no_change() {
 fn of_concurrent_writers_one_succeeds_and_the_others_are_told() {
     let folder = folder();
     let path = folder.path().join("store");
-    drop(after(&path, 5));
+    drop(create_after(&path, 5));
     let race = |thread: usize| {
         // Different events: a repeated one would be acknowledged again.
         let event = Event::Note { text: format!("thread {thread}") };
@@ -121,7 +122,7 @@ impl Drop for WriteProtection<'_> {
 fn a_read_only_file_is_reported_and_not_changed() {
     let folder = folder();
     let path = folder.path().join("store");
-    drop(after(&path, 5));
+    drop(create_after(&path, 5));
     let before = fs::read(&path).expect("bytes");
     let Some(protection) = WriteProtection::put_on(&path) else { return };
     let refused = Store::open(&path).expect_err("read-only");
@@ -142,7 +143,7 @@ fn a_read_only_folder_is_reported_and_a_backup_in_it_is_readable() {
     let closed = folder.path().join("closed");
     fs::create_dir(&closed).expect("a folder");
     let copy = closed.join("copy");
-    let store = after(&path, 5);
+    let store = create_after(&path, 5);
     assert!(store.backup_to(&copy).expect("a backup").is_clean());
     let expected = fingerprint(&store);
     let before = fs::read(&copy).expect("bytes");
@@ -169,7 +170,7 @@ fn a_read_only_folder_is_reported_and_a_backup_in_it_is_readable() {
 fn a_read_only_view_does_not_change_the_store() {
     let folder = folder();
     let path = folder.path().join("store");
-    drop(after(&path, 5));
+    drop(create_after(&path, 5));
     let before = fs::read(&path).expect("bytes");
     let mut view = Store::view(&path).expect("readable");
     let refused = run(&mut view, 5);
@@ -210,17 +211,17 @@ fn other_files_are_refused_and_not_changed() {
 fn a_backup_equals_the_store_and_never_replaces_a_file() {
     let folder = folder();
     let (path, copy) = (folder.path().join("store"), folder.path().join("copy"));
-    let mut store = after(&path, 5);
+    let mut store = create_after(&path, 5);
     let verification = store.backup_to(&copy).expect("a backup");
     assert!(verification.is_clean());
     assert_eq!(verification.head, Some(store.head().expect("a head")));
     let before = fs::read(&copy).expect("bytes");
     let refused = store.backup_to(&copy);
     assert!(matches!(refused, Err(StoreError::AlreadyExists { .. })), "{refused:?}");
-    take(&mut store, 5..STEPS);
+    run_steps(&mut store, 5..STEPS);
     assert!(fs::read(&copy).expect("bytes") == before);
     // The copy takes the same steps to the same history.
     let mut restored = Store::open(&copy).expect("a store");
-    take(&mut restored, 5..STEPS);
+    run_steps(&mut restored, 5..STEPS);
     assert_eq!(fingerprint(&restored), fingerprint(&store));
 }

@@ -3,7 +3,7 @@
 use spineline_files::method_text::{ChosenOption, ChosenOptions};
 use spineline_store::{CaseReadings, Finding, KeptComputation, Store, StoreError, StudyOptions};
 
-use crate::session::{by, name, new_store, run, store_after};
+use crate::session::{by, folder_with_new_store, folder_with_store, name, run};
 
 pub fn option(name: &str, value: &str) -> ChosenOption {
     ChosenOption::word(name, value)
@@ -15,7 +15,7 @@ fn chosen(options: &[ChosenOption]) -> ChosenOptions {
 
 #[test]
 fn options_are_kept_logged_and_reset_and_a_stale_change_is_kept_beside_them() {
-    let (folder, mut store) = store_after(3);
+    let (folder, mut store) = folder_with_store(3);
     let path = folder.path().join("store");
     let (study, lead) = (name("S-1"), by("lead", 100));
     assert_eq!(store.study_options(&study).expect("a study"), StudyOptions::default());
@@ -48,7 +48,7 @@ fn options_are_kept_logged_and_reset_and_a_stale_change_is_kept_beside_them() {
 
 #[test]
 fn edited_options_are_damage_and_never_other_options() {
-    let (folder, mut store) = new_store();
+    let (folder, mut store) = folder_with_new_store();
     let path = folder.path().join("store");
     run(&mut store, 0).expect("a study");
     let study = name("S-1");
@@ -67,7 +67,7 @@ fn edited_options_are_damage_and_never_other_options() {
 
 #[test]
 fn a_kept_computation_is_that_of_its_inputs_only_and_damage_is_noticed() {
-    let (folder, mut store) = new_store();
+    let (folder, mut store) = folder_with_new_store();
     let path = folder.path().join("store");
     run(&mut store, 0).expect("a study");
     let study = name("S-1");

@@ -8,7 +8,7 @@ use spineline_store::{
 use tempfile::TempDir;
 
 use crate::plan::random;
-use crate::session::{by, create, film_bytes, image, minute, name, new_store, place};
+use crate::session::{by, create, film_bytes, folder_with_new_store, image, minute, name, place};
 
 const BODY: [(Corner, [f64; 2]); 4] = [
     (Corner::SuperiorLeft, [400.0, 1000.0]),
@@ -28,7 +28,7 @@ fn wall(level: Level, side: Side, column_px: f64) -> Event {
 
 /// A study with a film and an open reading of observer A.
 fn begun() -> (TempDir, Store, ReadingId) {
-    let (folder, mut store) = new_store();
+    let (folder, mut store) = folder_with_new_store();
     let (id, lead) = (name("S-1"), by("lead", 1));
     store.add_study(&Study::new(id.clone(), None, true), &lead).expect("a study");
     let mut image = image();
@@ -93,7 +93,7 @@ fn origins_and_walls_reach_the_case_and_another_store() {
 
 #[test]
 fn a_plan_without_proposals_takes_clicked_corners_only() {
-    let (_folder, mut store) = new_store();
+    let (_folder, mut store) = folder_with_new_store();
     let (id, lead) = (name("S-1"), by("lead", 1));
     store.add_study(&Study::new(id.clone(), None, true), &lead).expect("a study");
     store.add_film(&id, Posture::Erect, &film_bytes(1), &image(), &lead).expect("a film");

@@ -33,14 +33,14 @@ pub fn folder() -> TempDir {
 }
 
 /// A folder with a new store, `store`.
-pub fn new_store() -> (TempDir, Store) {
-    store_after(0)
+pub fn folder_with_new_store() -> (TempDir, Store) {
+    folder_with_store(0)
 }
 
-/// A folder with a store after this number of steps of the session, `store`.
-pub fn store_after(steps: usize) -> (TempDir, Store) {
+/// A folder with the store `store` after these steps of the session.
+pub fn folder_with_store(steps: usize) -> (TempDir, Store) {
     let folder = folder();
-    let store = after(&folder.path().join("store"), steps);
+    let store = create_after(&folder.path().join("store"), steps);
     (folder, store)
 }
 
@@ -134,15 +134,15 @@ pub fn run(store: &mut Store, step: usize) -> Result<(), StoreError> {
     }
 }
 
-/// Takes these steps of the session.
-pub fn take(store: &mut Store, steps: Range<usize>) {
+/// Runs these steps of the session.
+pub fn run_steps(store: &mut Store, steps: Range<usize>) {
     steps.for_each(|step| run(store, step).expect("a step"));
 }
 
-/// A new store after this number of steps.
-pub fn after(path: &Path, steps: usize) -> Store {
+/// Creates a store and runs this number of steps.
+pub fn create_after(path: &Path, steps: usize) -> Store {
     let mut store = create(path);
-    take(&mut store, 0..steps);
+    run_steps(&mut store, 0..steps);
     store
 }
 

@@ -9,7 +9,7 @@ use std::process::Command;
 use spineline_store::{Store, StoreError};
 
 use crate::session::{
-    STEPS, by, fingerprint, folder, reference, run, store_after, try_fingerprint,
+    STEPS, by, fingerprint, folder, folder_with_store, reference, run, try_fingerprint,
 };
 
 /// A separate small disk, if this user may create one.
@@ -92,7 +92,7 @@ fn a_full_file_system_loses_no_acknowledged_change() {
 
 #[test]
 fn a_backup_without_room_is_refused_and_leaves_no_file() {
-    let (folder, store) = store_after(STEPS);
+    let (folder, store) = folder_with_store(STEPS);
     let place = folder.path().join("disk");
     fs::create_dir(&place).expect("a folder");
     let Some(disk) = SmallDisk::mount(&place, 60) else { return };

@@ -9,7 +9,8 @@ use spineline_store::{
 use tempfile::TempDir;
 
 use crate::session::{
-    FILM, READING, by, clicks, film_bytes, image, name, new_store, place, store_after,
+    FILM, READING, by, clicks, film_bytes, folder_with_new_store, folder_with_store, image, name,
+    place,
 };
 
 const STUDY: &str = "S-1";
@@ -19,7 +20,7 @@ const CLICKED: u64 = 23;
 /// The session up to the end of its first reading.
 fn finished() -> (TempDir, Store) {
     assert_eq!(clicks().len() as u64, CLICKED);
-    let (folder, mut store) = store_after(5);
+    let (folder, mut store) = folder_with_store(5);
     store.record_all(READING, &clicks(), 0, &by("A", 10)).expect("events");
     store.finish_reading(READING, CLICKED, &by("A", 11)).expect("finished");
     (folder, store)
@@ -153,7 +154,7 @@ fn an_abandoned_correction_leaves_the_reading_as_it_is() {
 
 #[test]
 fn a_planned_study_keeps_its_readings_until_the_end_and_takes_no_correction() {
-    let (_folder, mut store) = new_store();
+    let (_folder, mut store) = folder_with_new_store();
     let (study, lead) = (name("B-1"), by("lead", 0));
     store.add_study(&Study::new(study.clone(), None, true), &lead).expect("a study");
     for (seed, posture) in [(1, Posture::Erect), (2, Posture::LeftBending)] {

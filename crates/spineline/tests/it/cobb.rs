@@ -1,7 +1,7 @@
 //! Cobb angles between endplates, against closed forms and against the corners of films themselves.
 
 use crate::common::{
-    analyzed, exact_case, film_mut, landmarks, landmarks_mut, mistake_sides, on_a_table,
+    analyzed, exact_case, exchange_sides, film_mut, landmarks, landmarks_mut, on_a_table,
     other_side, phantom,
 };
 use spineline::analysis::{AnalysisOptions, Case};
@@ -68,7 +68,7 @@ fn a_mirrored_film_has_the_same_cobb_angle_to_the_other_side() {
     for film in &mut mirrored.films {
         film.posture = other_side(film.posture);
         // The same picture of a patient who turned about: left becomes right.
-        mistake_sides(film);
+        exchange_sides(film);
     }
     let [here, there] = [&case, &mirrored].map(|case| analyzed(case, &on_a_table()));
     for (a, b) in here.movement.clinical.iter().zip(&there.movement.clinical) {

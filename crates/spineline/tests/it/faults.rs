@@ -3,7 +3,7 @@
 use std::mem::swap;
 
 use crate::common::{
-    analyzed, case_of, exact_case, film_mut, graph_film, landmarks, mistake_sides, move_places,
+    analyzed, case_of, exact_case, exchange_sides, film_mut, graph_film, landmarks, move_places,
     on_a_table, other_side, refused, spacing, turn_axes, warned,
 };
 use spineline::action::LineKind;
@@ -123,7 +123,7 @@ fn a_neutral_film_with_the_wrong_side_is_reported_as_mirrored() {
     // Oracle: lying down does not turn a curve into its mirror image.
     for posture in [Posture::Neutral, Posture::Traction] {
         let mut case = exact_case(0);
-        mistake_sides(film_mut(&mut case, posture));
+        exchange_sides(film_mut(&mut case, posture));
         let analysis = analyzed(&case, &on_a_table());
         assert_eq!(
             warned(&analysis, WarningCode::FilmLooksMirrored, Some(posture)).code.step(),
@@ -140,7 +140,7 @@ fn a_bending_film_with_the_wrong_side_tilts_to_the_other_side() {
     // Oracle: a left bend leans to the left of the erect spine.
     for posture in [Posture::LeftBending, Posture::RightBending] {
         let mut case = exact_case(0);
-        mistake_sides(film_mut(&mut case, posture));
+        exchange_sides(film_mut(&mut case, posture));
         match analyze(&case, &on_a_table()) {
             // A mirrored bend of a spine that leans when erect may lean to its side even so.
             Ok(analysis) => assert!(

@@ -76,7 +76,7 @@ fn one_film_without_spacing_leaves_the_others_their_millimetres() {
     assert!(analysis.models.is_empty());
     let differ = warned(&analysis, WarningCode::SpacingPlanesDiffer, None);
     assert!(differ.message.contains("pixels count as millimetres of a spine of"));
-    warned(&analysis, WarningCode::NoScale, Some(Posture::Traction));
+    assert_eq!(warned(&analysis, WarningCode::NoScale, None).posture, Some(Posture::Traction));
 }
 
 #[test]
@@ -341,6 +341,6 @@ fn a_gap_in_a_stitched_film_is_reported_between_two_vertebrae() {
     }
     let analysis = analyzed(&case, &on_a_table());
     // The gap is twice the usual distance.
-    let warning = warned(&analysis, WarningCode::SpacingUnusual, Some(Posture::Erect));
-    assert_eq!(warning.level, Some(Level::T9));
+    let warning = warned(&analysis, WarningCode::SpacingUnusual, None);
+    assert_eq!((warning.posture, warning.level), (Some(Posture::Erect), Some(Level::T9)));
 }

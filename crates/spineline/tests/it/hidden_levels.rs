@@ -15,7 +15,7 @@ use crate::common::{
     analyzed, assert_near, exact_case, film_mut, landmarks, landmarks_mut, measured, on_a_table,
     phantom, replicated, warned,
 };
-use crate::properties::mirrored;
+use crate::properties::mirror_image;
 
 fn hide(film: &mut Film, hidden: impl Fn(Level) -> bool) {
     let (_, _, readings) = landmarks(film);
@@ -105,7 +105,7 @@ fn an_interpolated_vertebra_is_within_its_stated_uncertainty() {
                 .collect();
             for all in [
                 deviations_of(&films),
-                deviations_of(&films.iter().map(mirrored).collect::<Vec<_>>()),
+                deviations_of(&films.iter().map(mirror_image).collect::<Vec<_>>()),
             ] {
                 let n = all.len() as f64;
                 let rms = (all.iter().map(|d| d * d).sum::<f64>() / n).sqrt();
@@ -195,7 +195,7 @@ fn mirrored_patients_with_hidden_vertebrae_have_mirrored_analyses() {
     let mut case = exact_case(7);
     hide(film_mut(&mut case, Posture::RightBending), |level| level == Level::T6);
     hide(film_mut(&mut case, Posture::Erect), |level| level == Level::L1 || level > Level::T3);
-    let reflected = Case { films: case.films.iter().map(mirrored).collect(), ..case.clone() };
+    let reflected = Case { films: case.films.iter().map(mirror_image).collect(), ..case.clone() };
     let [a, b] = [case, reflected].map(|case| movement(&case));
     assert_eq!((a.movement.levels(), a.movement.levels().top()), (b.movement.levels(), Level::T3));
     let pairs = [

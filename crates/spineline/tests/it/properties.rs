@@ -1,7 +1,7 @@
 //! What must not change, or change in a known way, when films are mirrored, moved, scaled, or read in another order.
 
 use crate::common::{
-    self, analyzed, assert_near, case_of, landmarks, measured, mirror, mistake_sides,
+    self, analyzed, assert_near, case_of, exchange_sides, landmarks, measured, mirror,
     move_landmarks, move_places, on_a_table, other_side, phantom, placement_film, spacing,
 };
 use proptest::prelude::*;
@@ -34,11 +34,11 @@ fn options(ferguson: bool) -> AnalysisOptions {
 }
 
 /// The film of the patient's mirror image: the picture is flipped, the patient's sides change their names.
-pub fn mirrored(film: &Film) -> Film {
+pub fn mirror_image(film: &Film) -> Film {
     let mut film = film.clone();
     film.posture = other_side(film.posture);
     mirror(&mut film);
-    mistake_sides(&mut film);
+    exchange_sides(&mut film);
     film
 }
 
@@ -121,7 +121,7 @@ proptest! {
     #[test]
     fn a_mirrored_patient_has_the_mirrored_analysis(made in any_case(), ferguson in any::<bool>()) {
         let case = case(made);
-        let films = case.films.iter().map(mirrored).collect();
+        let films = case.films.iter().map(mirror_image).collect();
         let options = options(ferguson);
         let (a, b) = (analyzed(&case, &options), analyzed(&case_of(films), &options));
         let postures = Posture::ALL.map(|posture| (posture, other_side(posture)));
@@ -318,7 +318,7 @@ fn predicted_stiffness_of_mirrored_films_is_the_same() {
     {
         let case = phantom(subject, scenario, &Readers::default()).case;
         let mut other = case.clone();
-        other.films.iter_mut().for_each(|film| *film = mirrored(film));
+        other.films.iter_mut().for_each(|film| *film = mirror_image(film));
         for (one, other) in predicted(&case).into_iter().zip(predicted(&other)) {
             let (Some(one), Some(other)) = (one, other) else { continue };
             compared += 1;

@@ -56,6 +56,8 @@ fn a_second_study_of_a_patient_counts_nowhere() {
     };
     let (with, without) = (cohort(true), cohort(false));
     let rows = with["rows"].as_array().expect("rows");
+    let names: Vec<&str> = rows.iter().filter_map(|row| row["study"].as_str()).collect();
+    assert_eq!(names, ["S0", "S1", "S2", "S3"]);
     let why = |study: &str| {
         let row = rows.iter().find(|row| row["study"] == study).expect("its row");
         row["excluded"].as_str().unwrap_or_default().to_owned()

@@ -36,7 +36,7 @@ fn serve_reading(fill: impl FnOnce(&mut Store) -> ReadingId) -> (Running, String
     (running, format!("/api/readings/{}", reading.expect("begun").0))
 }
 
-/// A server with the films of a case, and the address of a reading of its erect film up to a level.
+/// A server with the films of a case, and the address of a begun reading of its erect film. The reading has the lowest `count` vertebrae.
 fn serve_begun(case: &Case, count: usize) -> (Running, String) {
     serve_reading(|store| {
         add_study(store, "S1", case);

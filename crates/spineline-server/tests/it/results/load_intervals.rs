@@ -79,7 +79,7 @@ fn intervals_are_computed_for_the_loads_that_were_sent_and_saved_with_no_others(
     assert_eq!(lead.get(PATH).json(), done);
     assert_eq!(lead.get(of_other_line).json()["state"], "none");
     let change = changed_options(0, &[("support", "free")]);
-    assert_eq!(lead.put("/api/studies/S1/options", &change).status, StatusCode::OK);
+    lead.put("/api/studies/S1/options", &change).succeeded();
     assert_eq!(lead.get(PATH).json()["state"], "none");
 }
 

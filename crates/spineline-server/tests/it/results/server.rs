@@ -76,7 +76,9 @@ pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, F
 pub fn add_read_study(store: &mut Store, study: &str, case: &Case) {
     for (posture, film) in add_study(store, study, case) {
         let marked = case.films.iter().find(|film| film.posture == posture).expect("its film");
-        for reading in marked.landmarks.corner_readings() {
+        let readings = marked.landmarks.corner_readings();
+        assert!(!readings.is_empty(), "phantoms have corners");
+        for reading in readings {
             let by = by(&reading.id.observer);
             let begun = store.begin_reading(film, reading.id.repeat, &by).expect("a new reading");
             let count = record(store, begun, &events(marked, reading), &by);

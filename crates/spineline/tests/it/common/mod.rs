@@ -169,7 +169,7 @@ pub fn turn_axes(film: &mut Film, to: impl Fn(Angle) -> Angle) {
         .for_each(|landmark| landmark.axis_clockwise = landmark.axis_clockwise.map(&to));
 }
 
-/// Shows a film from the other side, with the patient's left where it is then.
+/// Mirrors the picture of a film. The patient's left moves to the other side of the picture.
 pub fn mirror(film: &mut Film) {
     let (image, ..) = landmarks(film);
     let last = f64::from(image.columns) - 1.0;
@@ -185,8 +185,8 @@ pub fn mirrored(case: &Case) -> Case {
     case
 }
 
-/// The film as someone sees it who takes the picture for its mirror image, corners and all.
-pub fn mistake_sides(film: &mut Film) {
+/// Exchanges left and right on a film: in corners, crests and the picture's side.
+pub fn exchange_sides(film: &mut Film) {
     for landmark in all_landmarks(film) {
         let corners = &mut landmark.corners;
         swap(&mut corners.superior_left, &mut corners.superior_right);
