@@ -67,7 +67,9 @@ pub use nearest::nearest;
 pub use provenance::{
     FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile, parse_provenance,
 };
-pub use read::{DATABASE, MAX_ANALYSES_BYTES, MAX_FILE_BYTES, read_bytes, read_text, text_of};
+pub use read::{
+    MAX_ANALYSES_BYTES, MAX_FILE_BYTES, SQLITE_SIGNATURE, read_bytes, read_text, text_of,
+};
 pub use readings_table::{ReadingsTable, parse_readings};
 pub use refused_file::RefusedFile;
 pub use reliability_file::ReliabilityFile;

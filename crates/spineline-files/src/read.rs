@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::FileError;
 use crate::table_text::is_utf_16;
 
-/// The first bytes of every store of studies.
-pub const DATABASE: &[u8; 16] = b"SQLite format 3\0";
+/// The first bytes of an SQLite file, such as a store of studies.
+pub const SQLITE_SIGNATURE: &[u8; 16] = b"SQLite format 3\0";
 /// Largest file of one record, in bytes: a case, a model, a load, a stiffness table or a table of readings.
 pub const MAX_FILE_BYTES: u64 = 64 << 20;
 /// Largest file that `rerun` reads, in bytes: the analyses of a whole cohort, or a report that contains them.
@@ -25,7 +25,7 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// # Errors
 /// [`FileError::NotUtf8`], [`FileError::Database`].
 pub fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> {
-    if bytes.starts_with(DATABASE) {
+    if bytes.starts_with(SQLITE_SIGNATURE) {
         return Err(FileError::Database { path: path.to_owned() });
     }
     let utf_16 = is_utf_16(&bytes);

@@ -150,7 +150,7 @@ impl Columns {
         let cell = |column: &str| {
             places.get(column).and_then(|&place| record.get(place)).unwrap_or_default()
         };
-        let name = |column: &str| name(column, cell(column)).map_err(fault);
+        let name = |column: &str| checked_name(column, cell(column)).map_err(fault);
         let code = |column: &'static str, rule, is_code: fn(&str) -> bool| {
             let text = name(column)?;
             if is_code(text) {
@@ -200,7 +200,7 @@ impl Columns {
 }
 
 /// A cell that names something.
-fn name<'a>(column: &str, cell: &'a str) -> Result<&'a str, String> {
+fn checked_name<'a>(column: &str, cell: &'a str) -> Result<&'a str, String> {
     if starts_formula(cell) {
         let cell = shortened(cell);
         return Err(format!("`{column}` starts like a formula, which spreadsheets run: `{cell}`"));

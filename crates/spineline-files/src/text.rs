@@ -6,9 +6,15 @@ use serde::Serialize;
 use serde_json::Serializer;
 use serde_json::ser::{CompactFormatter, Formatter, PrettyFormatter};
 use spineline::number::significant;
+use spineline::spatial::Angle;
 
 /// Significant digits of a result: more than any reading has, and enough to compare two programs.
 const DIGITS: usize = 10;
+
+/// An angle in degrees with nine decimals, which drop the rounding of radians.
+pub(crate) fn written_deg(angle: Angle) -> f64 {
+    (angle.deg() * 1e9).round() / 1e9
+}
 
 /// The text of a file that a program reads back: JSON with two blanks of indent and a line feed at the end, every number with all its digits.
 ///

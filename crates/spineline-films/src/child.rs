@@ -112,8 +112,10 @@ fn await_answer(
         end(&mut child);
         return Err(FilmError::DecoderTimeout { limit_s: limits.wall_s });
     };
-    let fits = Measure::AnswerBytes.within(bytes.len() as u64, limit);
-    fits.inspect_err(|_| end(&mut child))?;
+    if let Err(error) = Measure::AnswerBytes.within(bytes.len() as u64, limit) {
+        end(&mut child);
+        return Err(error);
+    }
     let status = wait(&mut child);
     match status {
         Some(status) if status.success() => parse(&bytes),

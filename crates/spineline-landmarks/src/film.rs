@@ -300,7 +300,9 @@ impl<P: Copy> Points<P> {
                 what: format!("{reading}, {level}"),
                 missing,
             })?;
-            bodies.extend(corners.map(|corners| (level, corners)));
+            if let Some(corners) = corners {
+                bodies.insert(level, corners);
+            }
         }
         Ok(bodies)
     }

@@ -148,12 +148,12 @@ pub(crate) fn in_order([first, second, neutral, traction]: [Moved; 4]) -> Vec<Mo
 /// Two bends and neutral by horizontal loads that reach a lateral tilt, and traction by a cranial one that straightens
 /// the main curve.
 ///
-/// `solve` gives the equilibrium under a load of a direction and a size; it continues from the load before. `heaviness`
-/// multiplies the steps and limits of all loads.
+/// `solve` gives the equilibrium under a load of a direction and a size. It continues from the state of the load before;
+/// `start` is the state without a load. `load_factor` multiplies the steps and limits of all loads.
 pub(crate) fn sideways_and_upwards<S: Clone>(
     spine: &ErectSpine,
     erect: &ChainShape,
-    heaviness: f64,
+    load_factor: f64,
     start: S,
     solve: impl Fn(Frontal, f64, &mut S) -> Option<(ChainShape, Option<LineOfAction>)>,
     rng: &mut ChaCha12Rng,
@@ -167,14 +167,14 @@ pub(crate) fn sideways_and_upwards<S: Clone>(
         let target = erect_tilt + change;
         let reached =
             |shape: &ChainShape| (shape.top().lateral_tilt() - target).rad() * sense >= 0.0;
-        let step_n = -2.0 * heaviness * sense;
-        let found = force_for(step_n, 2000.0 * heaviness, start.clone(), left, reached);
+        let step_n = -2.0 * load_factor * sense;
+        let found = force_for(step_n, 2000.0 * load_factor, start.clone(), left, reached);
         let (force_n, shape, line) = found.ok_or(posture)?;
         moved.push(Moved { line, ..Moved::at(posture, shape, force_n) });
     }
     let whole = main_turn(spine, erect);
     let reached = |shape: &ChainShape| main_turn(spine, shape) / whole <= 0.85;
-    let found = force_for(10.0 * heaviness, 20_000.0 * heaviness, start, up, reached);
+    let found = force_for(10.0 * load_factor, 20_000.0 * load_factor, start, up, reached);
     let (force_n, shape, line) = found.ok_or(Posture::Traction)?;
     moved.push(Moved { line, ..Moved::at(Posture::Traction, shape, force_n) });
     Ok(moved)

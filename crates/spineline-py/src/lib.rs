@@ -63,7 +63,7 @@ mod _native {
     #[pymodule_export]
     const MAX_FILE_BYTES: u64 = spineline_files::MAX_FILE_BYTES;
 
-    /// A 95 % interval needs this number of replicates.
+    /// A 95 % interval needs at least this number of replicates.
     #[pymodule_export]
     const MIN_REPLICATES: u64 = spineline::uncertainty::Spread::MIN_COUNT;
 }

@@ -186,7 +186,7 @@ impl Table {
         Self { caption: caption.into(), columns, rows: Vec::new(), note: String::new() }
     }
 
-    /// A table with one row per item. Each call adds one column. Use it where a cell needs only its item; else use [`Table::new`].
+    /// A table with one row per item. `columns` adds the columns, one per call. Use it where a cell needs only its item; else use [`Table::new`].
     #[must_use]
     pub fn of<R>(
         caption: impl Into<String>,

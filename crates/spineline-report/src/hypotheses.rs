@@ -7,7 +7,7 @@ use spineline::hypothesis::{Hypothesis, HypothesisComparison, HypothesisScores, 
 use spineline::number::{fixed, signed};
 
 use crate::document::{Section, Table};
-use crate::phrases::{mean_difference, none};
+use crate::phrases::{difference_words, none};
 
 const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings the top near. With prior: the same with the most probable load for the location of the top and the distribution of joint rotations. With tilt: the same with the tilt of the top. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction (no equilibrium, or a shape beyond the human range of motion) and fits without a result.";
 
@@ -70,7 +70,7 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
                         ComparisonOutcome::Worse => ", worse",
                         ComparisonOutcome::NoDifference | ComparisonOutcome::NotTested => "",
                     };
-                    mean_difference(&test.comparison) + mark
+                    difference_words(&test.comparison) + mark
                 })
             });
         }

@@ -75,12 +75,12 @@ pub const GIVE_SCALE: &str =
     "A pixel spacing, or a ball or ruler of known size on the film, gives a scale.";
 
 /// The mean over patients with its 95 % interval.
-pub(crate) fn over_patients(found: &Clustered, places: usize) -> String {
+pub(crate) fn mean_words(found: &Clustered, places: usize) -> String {
     with_interval(found.patients.mean, found.bootstrap, places)
 }
 
-/// The mean difference over patients with its 95 % interval.
-pub(crate) fn mean_difference(found: &PairedComparison) -> String {
+/// The mean difference over patients with its 95 % interval, with one decimal.
+pub(crate) fn difference_words(found: &PairedComparison) -> String {
     with_interval(found.mean_difference, found.bootstrap, 1)
 }
 

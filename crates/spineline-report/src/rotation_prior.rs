@@ -7,7 +7,7 @@ use spineline::spatial::Angle;
 use spineline::warning::counted;
 
 use crate::document::{Document, Section, Table};
-use crate::phrases::{none, over_patients};
+use crate::phrases::{mean_words, none};
 
 /// The rotations of the joints, and the errors on patients who were left out; a terminal shows it.
 #[must_use]
@@ -64,7 +64,7 @@ fn errors(learned: &LearnedRotations) -> Table {
         add.words("Prediction from", |(what, _)| *what);
         add.numbers("Patients", |(_, errors)| errors.patients.n.to_string());
         add.words("Location error (mm, 95 %)", |(_, errors)| {
-            if errors.patients.n == 0 { none() } else { over_patients(errors, 1) }
+            if errors.patients.n == 0 { none() } else { mean_words(errors, 1) }
         });
     });
     table.note = "Without mechanics. The scale of every film is fitted too. A line of action uses only the location of the top vertebra.".to_owned();

@@ -73,8 +73,10 @@ type MultiplierRow<'a> = Row<'a, Multiplier<'a>>;
 pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
         let mut all = Vec::new();
-        for (i, model) in patient.analysis.models.iter().enumerate() {
-            let identified = patient.identifiability.and_then(|found| found[i].as_ref());
+        let analysis = patient.analysis;
+        for model in &analysis.models {
+            let identified =
+                patient.identifiability.and_then(|found| analysis.entry_of(model.kind, found));
             all.extend((0..model.groups.len()).map(|group| {
                 let found = identified.map(|identified| &identified.multipliers[group]);
                 Multiplier { model, group, found }

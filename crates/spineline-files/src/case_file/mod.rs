@@ -134,7 +134,7 @@ impl CaseFile {
         &self.case_id
     }
 
-    /// The picture file of a posture's film, where the case names one.
+    /// The picture file of a posture's film, where the case names one. Only [`CaseFile::into_case`] checks its name: do not open it before.
     #[must_use]
     pub fn source(&self, posture: Posture) -> Option<FilmSource> {
         let film = self.films.iter().find(|film| film.posture == posture)?;
@@ -152,7 +152,7 @@ impl CaseFile {
         self
     }
 
-    /// The picture file of the lateral film, where the case has one.
+    /// The picture file of the lateral film, where the case has one. Only [`CaseFile::into_case`] checks its name: do not open it before.
     #[must_use]
     pub fn lateral_source(&self) -> Option<FilmSource> {
         self.lateral.as_ref().map(LateralRecord::source)

@@ -5,6 +5,7 @@ use spineline::measure::{Corners, Origin, Placement, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::FileError;
+use crate::text::written_deg;
 
 /// Either four corners, named by the patient's sides, or a location and a tilt.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -137,9 +138,9 @@ impl VertebraRecord {
     }
 }
 
-/// A hand-set axis in degrees as files have it: axes come in steps of 0.1°, and nine digits keep them and drop the
+/// A hand-set axis in degrees as files have it: axes come in steps of 0.1°, and nine decimals keep them and drop the
 /// rounding of radians.
 #[must_use]
 pub fn written_axis_deg(axis: Angle) -> f64 {
-    (axis.deg() * 1e9).round() / 1e9
+    written_deg(axis)
 }

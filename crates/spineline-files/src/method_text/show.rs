@@ -12,6 +12,7 @@ use spineline::personalize::{Gauge, LogNormalPrior};
 use spineline::spatial::Angle;
 
 use crate::stiffness_file::{border, degrees};
+use crate::text::written_deg;
 
 /// The key of a value, with `-`.
 pub(super) fn spelling<T: Named>(value: T) -> String {
@@ -97,7 +98,7 @@ pub(super) fn min_curve(angle: Angle) -> String {
 pub(super) fn given_lines(lines: &[(Posture, LineOfAction)]) -> String {
     let line = |(posture, line): &(Posture, LineOfAction)| {
         // The sine and cosine of an angle round it.
-        let tilt_deg = (line.lateral_tilt().deg() * 1e9).round() / 1e9;
+        let tilt_deg = written_deg(line.lateral_tilt());
         format!("{}={},{},{tilt_deg}", posture.key(), line.point.y_mm, line.point.z_mm)
     };
     lines.iter().map(line).collect::<Vec<_>>().join("; ")

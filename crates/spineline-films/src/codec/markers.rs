@@ -7,6 +7,8 @@ use crate::error::CodecFault;
 pub(super) const JPEG_LS: u8 = 0xF7;
 /// Start of frame of lossless JPEG with Huffman codes.
 const LOSSLESS: u8 = 0xC3;
+/// The end of an image, or of a codestream of JPEG 2000.
+pub(crate) const END: [u8; 2] = [0xFF, 0xD9];
 
 /// A frame header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,7 +80,7 @@ pub(super) fn check_lossless(data: &[u8], format: Format) -> Result<u8, CodecFau
 /// Checks that the end of the image exists: the decoder would invent a missing part. JPEG 2000 has the same marker. It
 /// cannot occur within a scan.
 pub(super) fn has_end(scan: &[u8]) -> Result<(), CodecFault> {
-    let found = scan.windows(2).rev().any(|pair| pair == [0xFF, 0xD9]);
+    let found = scan.windows(2).rev().any(|pair| pair == END);
     if found { Ok(()) } else { Err(CodecFault::Truncated) }
 }
 

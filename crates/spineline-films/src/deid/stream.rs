@@ -1,6 +1,6 @@
 //! Removes comments and application segments, which may contain names, from compressed pictures.
 
-use crate::codec::header_segment;
+use crate::codec::{END, header_segment};
 use crate::error::{Codec, CodecFault, FilmError};
 
 /// The one compressed picture of a film, with joined fragments, without comments, segments of applications, and
@@ -44,9 +44,6 @@ fn clean_jpeg_2000(data: &[u8]) -> Result<Vec<u8>, CodecFault> {
     clean.extend_from_slice(&tiles[..end + 2]);
     Ok(clean)
 }
-
-/// The end of an image, or of a codestream.
-const END: [u8; 2] = [0xFF, 0xD9];
 
 /// The header up to the first segment of a kind, without segments of text; then the unchanged rest.
 fn clean_header(

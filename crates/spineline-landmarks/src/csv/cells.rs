@@ -23,9 +23,9 @@ impl DecimalMark {
         name: &str,
     ) -> Result<f64, LandmarkError> {
         let cell = row.text(column, name)?;
-        let at = row.place(name);
+        let at = row.cell_place(name);
         for mark in ['.', ','].into_iter().filter(|mark| cell.contains(*mark)) {
-            let own = || format!("`{}` on {}", shown(cell), row.at());
+            let own = || format!("`{}` on {}", shown(cell), row.row_place());
             let (first, of) = self.0.get_or_insert_with(|| (mark, own()));
             if *first != mark {
                 let name = |mark| if mark == ',' { "comma" } else { "point" };
@@ -59,19 +59,19 @@ pub(super) struct Cells<'a> {
 
 impl<'a> Cells<'a> {
     /// Where the row is.
-    pub fn at(self) -> String {
+    pub fn row_place(self) -> String {
         format!("line {}", self.line)
     }
 
     /// Where a cell is.
-    pub fn place(self, name: &str) -> String {
-        format!("{}, column `{name}`", self.at())
+    pub fn cell_place(self, name: &str) -> String {
+        format!("{}, column `{name}`", self.row_place())
     }
 
     /// The text of a cell.
     pub fn text(self, column: usize, name: &str) -> Result<&'a str, LandmarkError> {
         std::str::from_utf8(&self.record[column]).map_err(|_| LandmarkError::Value {
-            at: self.place(name),
+            at: self.cell_place(name),
             value: self.shown(column),
             expected: "text in UTF-8",
         })

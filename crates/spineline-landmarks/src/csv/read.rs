@@ -149,7 +149,7 @@ impl Table<'_> {
         if row.record.len() < self.columns.count || is_longer {
             let (found, wanted) = (row.record.len(), self.columns.count);
             return Err(LandmarkError::Syntax {
-                at: row.at(),
+                at: row.row_place(),
                 reason: format!("{found} cells, but the heading has {wanted}"),
             });
         }
@@ -158,10 +158,10 @@ impl Table<'_> {
         if column_name(vertebra) == CRESTS && self.columns.view == View::Frontal {
             return self.crests(row, posture);
         }
-        let level = parse_level(vertebra, &row.place(VERTEBRA))?;
+        let level = parse_level(vertebra, &row.cell_place(VERTEBRA))?;
         let id = self.reading(row)?;
         if self.values_blank(row).iter().all(|&blank| blank) {
-            self.not_placed.push(format!("{level} of {}", row.at()));
+            self.not_placed.push(format!("{level} of {}", row.row_place()));
             return Ok(());
         }
         let first = match self.columns.values {
@@ -176,7 +176,7 @@ impl Table<'_> {
                 let [y, z] = [0, 1].map(|i| self.decimal.number(row, columns[i], PLACED[i]));
                 let location = Frontal::new(y?, z?);
                 let tilt = self.decimal.number(row, columns[2], PLACED[2])?;
-                let tilt = degrees(tilt, &row.place(PLACED[2]))?;
+                let tilt = degrees(tilt, &row.cell_place(PLACED[2]))?;
                 let placement = Placement::new(location, tilt);
                 let film = self.films.entry(posture).or_default();
                 let reading = film.placements.entry(id.clone()).or_default();
@@ -186,7 +186,7 @@ impl Table<'_> {
         match first {
             None => Ok(()),
             Some(first) => Err(LandmarkError::Duplicate {
-                at: row.place(VERTEBRA),
+                at: row.cell_place(VERTEBRA),
                 what: format!("{level} of observer {id}"),
                 first: Some(format!("line {first}")),
             }),
@@ -202,7 +202,7 @@ impl Table<'_> {
         let points = self.pixels(row, corners)?;
         let axis_clockwise = match self.columns.axis {
             Some(column) if !row.is_blank(column) => {
-                Some(degrees(self.decimal.number(row, column, AXIS)?, &row.place(AXIS))?)
+                Some(degrees(self.decimal.number(row, column, AXIS)?, &row.cell_place(AXIS))?)
             }
             _ => None,
         };
@@ -226,7 +226,7 @@ impl Table<'_> {
         let mut values = [0.0; 4];
         for i in 0..4 {
             let value = self.decimal.number(row, columns[i], CONFIDENCES[i])?;
-            values[i] = confidence(value, &row.place(CONFIDENCES[i]))?;
+            values[i] = confidence(value, &row.cell_place(CONFIDENCES[i]))?;
         }
         Ok(Some(values.into()))
     }
@@ -237,7 +237,7 @@ impl Table<'_> {
         for (i, column) in self.columns.origins.into_iter().flatten().enumerate() {
             let cell = row.text(column, ORIGINS[i])?;
             if !cell.is_empty() {
-                origins[i] = origin(cell, &row.place(ORIGINS[i]))?;
+                origins[i] = origin(cell, &row.cell_place(ORIGINS[i]))?;
             }
         }
         Ok(origins.into())
@@ -258,7 +258,7 @@ impl Table<'_> {
                 continue;
             }
             let [column_px, row_px] = both.map(|i| self.decimal.number(row, columns[i], names[i]));
-            *place = Some(pixel(column_px?, row_px?, &row.at())?);
+            *place = Some(pixel(column_px?, row_px?, &row.row_place())?);
         }
         Ok(sides)
     }
@@ -273,7 +273,7 @@ impl Table<'_> {
             return Ok(Some(share));
         }
         Err(LandmarkError::Value {
-            at: row.place(SD_SHARE),
+            at: row.cell_place(SD_SHARE),
             value: share.to_string(),
             expected: "a standard deviation above zero",
         })
@@ -282,7 +282,7 @@ impl Table<'_> {
     fn crests(&mut self, row: Cells<'_>, posture: Option<Posture>) -> Result<(), LandmarkError> {
         let Values::Corners(columns) = self.columns.values else {
             return Err(LandmarkError::Ambiguous {
-                at: row.place(VERTEBRA),
+                at: row.cell_place(VERTEBRA),
                 reason: "iliac crests need columns of corners".to_owned(),
                 help: "remove the row: a table of locations cannot contain iliac crests",
             });
@@ -290,7 +290,7 @@ impl Table<'_> {
         for (column, name) in columns.into_iter().zip(CORNERS).skip(4) {
             if !row.is_blank(column) {
                 return Err(LandmarkError::Value {
-                    at: row.place(name),
+                    at: row.cell_place(name),
                     value: row.shown(column),
                     expected: "empty, as it is in a row of iliac crests",
                 });
@@ -300,12 +300,12 @@ impl Table<'_> {
         match blank {
             [false, false] => {}
             [true, true] => {
-                self.not_placed.push(format!("the iliac crests of {}", row.at()));
+                self.not_placed.push(format!("the iliac crests of {}", row.row_place()));
                 return Ok(());
             }
             [left, _] => {
                 return Err(LandmarkError::Incomplete {
-                    what: format!("{}, iliac crests", row.at()),
+                    what: format!("{}, iliac crests", row.row_place()),
                     missing: vec![if left { CREST_LEFT } else { CREST_RIGHT }.to_owned()],
                 });
             }
@@ -314,7 +314,7 @@ impl Table<'_> {
         for i in 0..4 {
             tips[i] = self.decimal.number(row, columns[i], CORNERS[i])?;
         }
-        let at = row.at();
+        let at = row.row_place();
         let left = pixel(tips[0], tips[1], &at)?;
         let right = pixel(tips[2], tips[3], &at)?;
         let film = self.films.entry(posture).or_default();
@@ -343,7 +343,7 @@ impl Table<'_> {
         if missing.is_empty() {
             return Ok(());
         }
-        Err(LandmarkError::Incomplete { what: format!("{}, {level}", row.at()), missing })
+        Err(LandmarkError::Incomplete { what: format!("{}, {level}", row.row_place()), missing })
     }
 
     fn pixels(&mut self, row: Cells<'_>, columns: [usize; 8]) -> Result<[Pixel; 4], LandmarkError> {
@@ -352,7 +352,7 @@ impl Table<'_> {
         for i in 0..8 {
             values[i] = self.decimal.number(row, columns[i], names[i])?;
         }
-        let at = row.at();
+        let at = row.row_place();
         let point = |i: usize| pixel(values[2 * i], values[2 * i + 1], &at);
         Ok([point(0)?, point(1)?, point(2)?, point(3)?])
     }
@@ -363,7 +363,7 @@ impl Table<'_> {
         if cell.is_empty() {
             return Ok(self.hint.posture);
         }
-        named(cell, "posture", &row.place(POSTURE)).map(Some)
+        named(cell, "posture", &row.cell_place(POSTURE)).map(Some)
     }
 
     /// The cell of the observer or the repeat, which must be filled in all rows or in none; `None` if it is empty.
@@ -377,7 +377,7 @@ impl Table<'_> {
         let cell = row.text(column, name)?;
         let is_filled = !cell.is_empty();
         if *self.named.entry(name).or_insert(is_filled) != is_filled {
-            let (at, what) = (row.at(), format!("the {name}, which other rows"));
+            let (at, what) = (row.row_place(), format!("the {name}, which other rows"));
             let verb = if is_filled { " lack," } else { " have," };
             return Err(LandmarkError::Missing { at, what: what + verb });
         }
@@ -389,17 +389,17 @@ impl Table<'_> {
         if let Some(cell) = self.naming(row, self.columns.observer, OBSERVER)? {
             if starts_formula(cell) {
                 return Err(LandmarkError::Value {
-                    at: row.place(OBSERVER),
+                    at: row.cell_place(OBSERVER),
                     value: shown(cell),
                     expected: "the code of an observer: spreadsheets would read it as a formula",
                 });
             }
-            id.observer = observer(unguarded(cell), &row.place(OBSERVER))?;
+            id.observer = observer(unguarded(cell), &row.cell_place(OBSERVER))?;
         }
         if let Some(cell) = self.naming(row, self.columns.repeat, REPEAT)? {
             id.repeat = whole_number(cell).filter(|&repeat| repeat > 0).ok_or_else(|| {
                 LandmarkError::Value {
-                    at: row.place(REPEAT),
+                    at: row.cell_place(REPEAT),
                     value: shown(cell),
                     expected: "a whole number from 1",
                 }

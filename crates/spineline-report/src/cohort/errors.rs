@@ -4,11 +4,11 @@ use spineline::analysis::FilmRole;
 use spineline::cohort::{Cohort, ErrorKind, MissingResult};
 use spineline::number::{p_value, with_sd};
 
-use super::movement::tested;
+use super::movement::table_of_tests;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
 use crate::phrases::{
-    FITTED, HELD_OUT, LEFT_OUT, line_in_short, mean_difference, none, numbers, over_patients,
+    FITTED, HELD_OUT, LEFT_OUT, difference_words, line_in_short, mean_words, none, numbers,
     with_interval,
 };
 
@@ -62,9 +62,9 @@ fn kind_of_film(section: &mut Section, cohort: &Cohort, name: &str, films: &str,
             let pooled = errors.location_mm.pooled;
             if pooled.n > 0 { with_sd(pooled.mean, pooled.sd, 2) } else { none() }
         });
-        add.words("Over patients (mm, 95 %)", |errors| over_patients(&errors.location_mm, 2));
+        add.words("Over patients (mm, 95 %)", |errors| mean_words(&errors.location_mm, 2));
         add.words("Ferguson error over patients (°, 95 %)", |errors| {
-            over_patients(&errors.ferguson_deg, 2)
+            mean_words(&errors.ferguson_deg, 2)
         });
         add.numbers("Films without a result", |errors| {
             let without = match role {
@@ -84,11 +84,11 @@ pub fn tests(cohort: &Cohort) -> Section {
         return section;
     }
     let tests = [
-        ("location error (mm)".to_owned(), &cohort.location_test, "mm"),
-        ("Ferguson error (°)".to_owned(), &cohort.ferguson_test, "°"),
+        ("location error", &cohort.location_test, "mm"),
+        ("Ferguson error", &cohort.ferguson_test, "°"),
     ];
     let caption = "The paper's tests on fitted films";
-    section.table(tested(caption, "Inflection line minus iliac line", tests));
+    section.table(table_of_tests(caption, "Inflection line minus iliac line", tests));
     compared(&mut section, cohort, usize::MAX);
     section
 }
@@ -167,8 +167,8 @@ fn by_line(cohort: &Cohort) -> Table {
         add.numbers("Patients", |errors| errors.location_mm.patients.n.to_string());
         add.numbers("Films with a result", |errors| errors.films.to_string());
         add.numbers("Without", |errors| errors.without_result.to_string());
-        add.words("Location error (mm, 95 %)", |errors| over_patients(&errors.location_mm, 1));
-        add.words("Ferguson error (°, 95 %)", |errors| over_patients(&errors.ferguson_deg, 1));
+        add.words("Location error (mm, 95 %)", |errors| mean_words(&errors.location_mm, 1));
+        add.words("Ferguson error (°, 95 %)", |errors| mean_words(&errors.ferguson_deg, 1));
         add.words("Numbers from the films", |errors| {
             let free = compared.numbers.iter().find(|(kind, _)| *kind == errors.kind);
             free.map_or_else(String::new, |(_, free)| numbers(free, errors.role))
@@ -189,7 +189,7 @@ fn family(cohort: &Cohort) -> Table {
         });
         add.numbers("Films of both", |test| test.films.to_string());
         add.numbers("Patients", |test| test.comparison.patients().to_string());
-        add.words("Difference (95 %)", |test| mean_difference(&test.comparison));
+        add.words("Difference (95 %)", |test| difference_words(&test.comparison));
         add.words("Effect d (95 %)", |test| {
             let effect = test.comparison.effect;
             effect.map_or_else(none, |effect| with_interval(effect.d, Some(effect.interval), 1))
@@ -212,7 +212,7 @@ fn baselines(cohort: &Cohort) -> Table {
         add.words("Films", |errors| errors.role.to_string());
         add.numbers("Patients", |errors| errors.location_mm.patients.n.to_string());
         add.numbers("Films predicted", |errors| errors.films.to_string());
-        add.words("Location error (mm, 95 %)", |errors| over_patients(&errors.location_mm, 1));
+        add.words("Location error (mm, 95 %)", |errors| mean_words(&errors.location_mm, 1));
     });
     table.note = "The rotations and the scale of the film are fitted to the top vertebra: to its location, as every line is, and in one row to its tilt too. A model with a smaller error is worth its parameters.".to_owned();
     table
@@ -226,7 +226,7 @@ fn against_baselines(cohort: &Cohort) -> Table {
         });
         add.words("Films", |test| test.role.to_string());
         add.numbers("Patients", |test| test.comparison.patients().to_string());
-        add.words("Difference (mm, 95 %)", |test| mean_difference(&test.comparison));
+        add.words("Difference (mm, 95 %)", |test| difference_words(&test.comparison));
         add.numbers("Sign-flip p", |test| {
             p_value(test.comparison.sign_flip.map(|t| t.p_two_sided))
         });

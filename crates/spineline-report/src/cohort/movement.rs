@@ -5,7 +5,7 @@ use spineline::number::with_sd;
 
 use crate::document::{Figure, Section, Table};
 use crate::figures::{self, EstimateGroup, InflectionSample};
-use crate::phrases::over_patients;
+use crate::phrases::mean_words;
 
 const NO_MOVEMENT: &str = "No patient has both a pair of inflections and a film of another posture than erect: inflections and least-rotating segments cannot be compared.";
 
@@ -55,7 +55,7 @@ fn rotations(cohort: &Cohort) -> Table {
         add.numbers("Mean ± sd, pooled", |(_, of, places)| {
             with_sd(of.pooled.mean, of.pooled.sd, *places)
         });
-        add.words("Mean over patients (95 %)", |(_, of, places)| over_patients(of, *places));
+        add.words("Mean over patients (95 %)", |(_, of, places)| mean_words(of, *places));
     })
 }
 
@@ -68,19 +68,19 @@ fn table_2(cohort: &Cohort) -> Table {
     ];
     let tests = names.into_iter().zip(&cohort.table_2);
     let tests = tests.filter(|(_, test)| test.patients() > 0);
-    let rows = tests.map(|((name, unit), test)| (format!("{name} ({unit})"), test, unit));
+    let rows = tests.map(|((quantity, unit), test)| (quantity, test, unit));
     let caption = "Two estimates of the least-rotating segments (table 2 of the paper)";
-    tested(caption, "Inflections minus MMS_Mean", rows)
+    table_of_tests(caption, "Inflections minus MMS_Mean", rows)
 }
 
 /// Comparisons as the paper tests them and as patients do. A row has a quantity, its comparison and its unit.
-pub fn tested<'a>(
+pub fn table_of_tests<'a>(
     caption: &str,
-    compared: &str,
-    rows: impl IntoIterator<Item = (String, &'a PairedComparison, &'static str)>,
+    head: &str,
+    rows: impl IntoIterator<Item = (&'static str, &'a PairedComparison, &'static str)>,
 ) -> Table {
     Table::of(caption, rows, |add| {
-        add.words(compared, |(name, ..)| name.clone());
+        add.words(head, |(quantity, _, unit)| format!("{quantity} ({unit})"));
         add.words("The paper's pooled test", |(_, test, unit)| test.pooled_words(unit));
         add.words("Over patients", |(_, test, unit)| test.patient_words(unit));
     })

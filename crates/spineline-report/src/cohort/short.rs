@@ -11,7 +11,7 @@ use spineline::warning::counted;
 
 use super::by_patient::{PatientRow, outcomes};
 use crate::document::{Section, Table};
-use crate::phrases::mean_difference;
+use crate::phrases::difference_words;
 
 /// Patients in the table of a terminal.
 const MOST_PATIENTS: usize = 20;
@@ -107,9 +107,17 @@ fn against_best(cohort: &Cohort, role: FilmRole) -> Vec<&BaselineTest> {
     own.filter(|test| test.holm_p.is_some()).collect()
 }
 
+/// A prediction compared with another one on films that were not fitted.
+struct Compared<'a> {
+    role: FilmRole,
+    what: String,
+    test: &'a PairedComparison,
+    holm_p: Option<f64>,
+}
+
 /// Location errors on films that were not fitted: every pair of lines, and every line against the best prediction without mechanics.
 fn comparisons(cohort: &Cohort) -> Table {
-    let mut tests: Vec<(FilmRole, String, &PairedComparison, Option<f64>)> = Vec::new();
+    let mut tests: Vec<Compared<'_>> = Vec::new();
     for role in FilmRole::PREDICTED {
         let pairs = cohort.compared.tests.iter().filter(|test| {
             test.role == role && test.error == ErrorKind::Location && test.holm_p.is_some()
@@ -118,20 +126,20 @@ fn comparisons(cohort: &Cohort) -> Table {
             let [first, second] = test.lines;
             let dagger = if test.is_fair() { "" } else { " †" };
             let what = format!("{first} – {second}{dagger}");
-            tests.push((role, what, &test.comparison, test.holm_p));
+            tests.push(Compared { role, what, test: &test.comparison, holm_p: test.holm_p });
         }
         for test in against_best(cohort, role) {
             let dagger = if test.model == LineKind::Estimated { " †" } else { "" };
             let what = format!("{} – {} *{dagger}", test.model, test.baseline);
-            tests.push((role, what, &test.comparison, test.holm_p));
+            tests.push(Compared { role, what, test: &test.comparison, holm_p: test.holm_p });
         }
     }
     let mut table = Table::of("Comparisons over patients", tests, |add| {
-        add.words("Films not fitted", |(role, ..)| role.to_string());
-        add.words("Location error of", |(_, what, ..)| what.clone());
-        add.numbers("Patients", |(_, _, test, _)| test.patients().to_string());
-        add.words("Difference (mm, 95 %)", |(_, _, test, _)| mean_difference(test));
-        add.numbers("Holm p", |(.., p)| p_value(*p));
+        add.words("Films not fitted", |row| row.role.to_string());
+        add.words("Location error of", |row| row.what.clone());
+        add.numbers("Patients", |row| row.test.patients().to_string());
+        add.words("Difference (mm, 95 %)", |row| difference_words(row.test));
+        add.numbers("Holm p", |row| p_value(row.holm_p));
     });
     table.note = format!(
         "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. † not fair: the estimated line takes two numbers more from each film.",

@@ -83,7 +83,7 @@ fn near(analysis: &Analysis) -> Panel {
         [(x_mm[1] - x_mm[0]) * px_per_mm, TALL_PX],
     );
     panel.boxed = true;
-    panel.corners = Some(["LEFT".to_owned(), "RIGHT".to_owned()]);
+    panel.corners = Some(["LEFT", "RIGHT"]);
     panel.heading(HeadingKind::Title, format!("segments {first} to {}", first + NEAR - 1));
     panel.curves.push((LINK, joints.iter().copied().map(drawn).collect()));
     for (place, link) in joints.windows(2).enumerate() {

@@ -90,14 +90,10 @@ impl Extent {
     }
 }
 
-/// Whether lengths on a film are millimetres.
-pub fn has_scale(outline: &Outline) -> bool {
-    outline.scale.has_millimetres()
-}
-
 /// How films without a scale are drawn; `None` where all have one.
 pub fn scale_note(analysis: &Analysis) -> Option<String> {
-    let all = analysis.movement.films.iter().all(|posture| has_scale(&posture.outline));
+    let mut films = analysis.movement.films.iter();
+    let all = films.all(|posture| posture.outline.scale.has_millimetres());
     let words = "A film without a scale is drawn as if the spine had a typical length: only its shape is measured.";
     (!all).then(|| words.to_owned())
 }
@@ -106,7 +102,7 @@ pub fn scale_note(analysis: &Analysis) -> Option<String> {
 /// before it has none, or the reverse.
 pub fn axes_of_row<'a>(films: impl IntoIterator<Item = &'a Outline>) -> Vec<bool> {
     let mut before = None;
-    let scaled = films.into_iter().map(has_scale);
+    let scaled = films.into_iter().map(|outline| outline.scale.has_millimetres());
     scaled.map(|scaled| before.replace(scaled) != Some(scaled)).collect()
 }
 
@@ -136,7 +132,7 @@ pub fn film_panel(film: &Outline, extent: Extent, px_per_mm: f64, y_written: boo
     let mut panel = frontal_panel(extent, px_per_mm, film.levels().base());
     panel.y_written = y_written;
     panel.heading(HeadingKind::Title, film.posture.to_string());
-    if !has_scale(film) {
+    if !film.scale.has_millimetres() {
         for axis in [&mut panel.x, &mut panel.y] {
             axis.label = axis.label.replace("(mm)", "(no scale)");
             axis.ticks = Ticks::Blank;
@@ -145,9 +141,9 @@ pub fn film_panel(film: &Outline, extent: Extent, px_per_mm: f64, y_written: boo
     panel
 }
 
-/// The scale at which frames of one height fill a row of this width or are this tall, and their extents widened to that
-/// row.
-pub fn filling<const N: usize>(
+/// Fits frames of one height into a row. Returns the scale, and the extents widened until they fill the row; no frame is
+/// taller than `tall_px`.
+pub fn fit_in_row<const N: usize>(
     extents: [Extent; N],
     row_px: f64,
     tall_px: f64,
@@ -169,7 +165,7 @@ pub fn frontal_panel(extent: Extent, px_per_mm: f64, base: Level) -> Panel {
         axis(&format!("cranial of {base} (mm)"), extent.z_mm, Ticks::Numbers),
         [extent.width_mm() * px_per_mm, extent.height_mm() * px_per_mm],
     );
-    panel.corners = Some(["LEFT", "RIGHT"].map(str::to_owned));
+    panel.corners = Some(["LEFT", "RIGHT"]);
     panel.boxed = true;
     panel
 }
@@ -179,7 +175,7 @@ impl Panel {
     pub fn see_from_right(&mut self, base: Level) {
         self.x.label = format!("anterior of {base} (mm)");
         self.x.ticks = Ticks::Numbers;
-        self.corners = Some(["BACK", "FRONT"].map(str::to_owned));
+        self.corners = Some(["BACK", "FRONT"]);
     }
 
     /// A spine as vertebra midpoints, joined by a curve.

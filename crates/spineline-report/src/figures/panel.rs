@@ -127,7 +127,7 @@ pub enum HeadingKind {
 pub struct Panel {
     pub headings: Vec<Heading>,
     /// Words at the top left and top right of the frame.
-    pub corners: Option<[String; 2]>,
+    pub corners: Option<[&'static str; 2]>,
     pub x: Axis,
     pub y: Axis,
     /// Size of the frame.
@@ -359,7 +359,7 @@ impl Panel {
             });
             y += line_px(HEADING_PX);
         }
-        if let Some([left, right]) = &self.corners {
+        if let Some([left, right]) = self.corners {
             drawn.push(bold((0.0, -5.0), left, TICK_PX, TextAnchor::Start, GREY));
             drawn.push(bold((width, -5.0), right, TICK_PX, TextAnchor::End, GREY));
         }

@@ -75,7 +75,7 @@ fn empty_panel(motions: &[(Posture, &Motion)], width_px: f64, base: Level) -> Pa
     let y = Axis::from_zero("rotation of a segment (deg)", most);
     let mut panel = Panel::new(x, y, [width_px - 84.0, 400.0]);
     // Room for the words above the inflections.
-    panel.corners = Some([String::new(), String::new()]);
+    panel.corners = Some(["", ""]);
     panel
 }
 

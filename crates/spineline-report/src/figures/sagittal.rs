@@ -4,7 +4,6 @@ use kuva::render::render::Primitive;
 use spineline::analysis::{Analysis, ProfileVertebra, TemplateError};
 use spineline::anatomy::Level;
 
-use super::frontal::has_scale;
 use super::page::Page;
 use super::panel::{Axis, HeadingKind, Panel};
 use super::style::{
@@ -36,7 +35,7 @@ pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
     page.entry(TEMPLATE, "population, without the lateral film");
     let mut row = Vec::new();
     let mut width_px = page.inner_px() - 92.0;
-    if has_scale(&movement.erect().outline) {
+    if movement.erect().outline.scale.has_millimetres() {
         let panel = from_right(&found, movement.levels().base(), marker);
         width_px -= panel.frame_px[0] + 92.0;
         row.push(panel);
@@ -140,6 +139,16 @@ fn error_panel<'a>(
     by_level(levels, vertebrae.map(|v| v.error().deg()), "error of the pitch (deg)", width_px)
 }
 
+/// The least and the greatest of all values and zero.
+fn around_zero(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([0.0_f64; 2], |[low, high], v| [low.min(v), high.max(v)])
+}
+
+/// Widens a range to multiples of a step; it ends at least one step above zero.
+fn in_steps([low, high]: [f64; 2], step: f64) -> [f64; 2] {
+    [step * (low / step).floor(), step * (high / step).ceil().max(1.0)]
+}
+
 /// A panel with the names of the vertebrae below, from the lowest on the left, and a line at zero.
 fn by_level(
     levels: &[Level],
@@ -147,11 +156,10 @@ fn by_level(
     label: &str,
     width_px: f64,
 ) -> Panel {
-    let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+    let [low, high] = around_zero(values);
     let step = nice_step((high - low).max(1.0), 7.0);
     let most = levels.len() as f64;
-    let range = [step * (low / step).floor(), step * (high / step).ceil().max(1.0)];
-    let y = Axis::numbers(label, range, step);
+    let y = Axis::numbers(label, in_steps([low, high], step), step);
     let mut panel = Panel::new(Axis::places("", most), y, [width_px, TALL_PX]);
     // In two rows where names would meet.
     let rows = if width_px / most < text_width_px("T12", TICK_PX) + 6.0 { 2 } else { 1 };
@@ -167,16 +175,11 @@ fn by_level(
 fn from_right(found: &TemplateError, base: Level, marker: Marker) -> Panel {
     let depths = found.vertebrae.iter().flat_map(|v| [v.place_mm[0], v.template_depth_mm]);
     let heights = found.vertebrae.iter().map(|v| v.place_mm[1]);
-    let around = |values: &mut dyn Iterator<Item = f64>, step: f64| {
-        let (low, high) =
-            values.fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
-        [step * (low / step).floor(), step * (high / step).ceil().max(1.0)]
-    };
-    let z = around(&mut heights.chain([0.0]), 50.0);
-    let mut x = around(&mut depths.into_iter(), 20.0);
+    let z = in_steps(around_zero(heights), 50.0);
+    let [back, front] = in_steps(around_zero(depths), 20.0);
     // Room for the label of the axis.
-    let spare = 0.5 * (160.0 - (x[1] - x[0])).max(0.0);
-    x = [20.0 * ((x[0] - spare) / 20.0).floor(), 20.0 * ((x[1] + spare) / 20.0).ceil()];
+    let spare = 0.5 * (160.0 - (front - back)).max(0.0);
+    let x = in_steps([back - spare, front + spare], 20.0);
     let px_per_mm = TALL_PX / (z[1] - z[0]);
     let mut panel = Panel::new(
         Axis::numbers(format!("anterior of {base} (mm)"), x, 40.0),
@@ -184,7 +187,7 @@ fn from_right(found: &TemplateError, base: Level, marker: Marker) -> Panel {
         [px_per_mm * (x[1] - x[0]), TALL_PX],
     );
     panel.heading(HeadingKind::Title, "From the right");
-    panel.corners = Some(["BACK", "FRONT"].map(str::to_owned));
+    panel.corners = Some(["BACK", "FRONT"]);
     let measured = || found.vertebrae.iter().map(|v| (v.place_mm[0], v.place_mm[1]));
     let template = found.vertebrae.iter().map(|v| (v.template_depth_mm, v.place_mm[1]));
     let lines = [panel.trace(TEMPLATE, template), panel.trace(MEASURED, measured())];

@@ -5,7 +5,7 @@ use spineline::multibody::{BodySize, Deformed};
 use spineline::response::erect_shape;
 use spineline::spatial::{Angle, Frontal, Vec3};
 
-use super::frontal::{Extent, extent_words, filling, frontal_panel, has_scale};
+use super::frontal::{Extent, extent_words, fit_in_row, frontal_panel};
 use super::page::Page;
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{GREY, Ink, posture_style};
@@ -57,7 +57,7 @@ struct Shape {
 /// three views, and the same lines in space. `None` where the erect film has no scale: the size of its model is not known.
 #[must_use]
 pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
-    if !has_scale(&analysis.movement.erect().outline) {
+    if !analysis.movement.erect().outline.scale.has_millimetres() {
         return None;
     }
     let title = format!("The multibody model in space, case {}", analysis.case_id);
@@ -76,7 +76,7 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
         // A frontal picture shows `-y` to the right.
         Extent::of(points.map(|&point| view.place(point)).map(|(x, z)| Frontal::new(-x, z)))
     });
-    let (px_per_mm, extents) = filling(extents, page.inner_px() - 84.0 - 2.0 * 18.0, TALL_PX);
+    let (px_per_mm, extents) = fit_in_row(extents, page.inner_px() - 84.0 - 2.0 * 18.0, TALL_PX);
     let base = analysis.movement.levels().base();
     let panels = View::ALL.into_iter().zip(extents).enumerate().map(|(i, (view, extent))| {
         let mut panel = frontal_panel(extent, px_per_mm, base);
@@ -88,7 +88,7 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
             View::Oblique => {
                 panel.x.label = "across the picture (mm)".to_owned();
                 panel.x.ticks = Ticks::Numbers;
-                panel.corners = Some(["LEFT, BACK", "RIGHT, FRONT"].map(str::to_owned));
+                panel.corners = Some(["LEFT, BACK", "RIGHT, FRONT"]);
             }
         }
         for shape in &shapes {

@@ -113,8 +113,8 @@ fn multipliers(patient: &Patient<'_>) -> Table {
         Column::words("Verdict"),
     ];
     let mut table = Table::new("Multipliers of the lateral stiffness", columns);
-    for (place, model) in analysis.models.iter().enumerate() {
-        let found = patient.identifiability.and_then(|all| all[place].as_ref());
+    for model in &analysis.models {
+        let found = patient.identifiability.and_then(|all| analysis.entry_of(model.kind, all));
         let rows = model.groups.titles().zip(model.multipliers()).zip(model.verdicts(analysis));
         for (group, ((name, value), verdict)) in rows.enumerate() {
             let scale = model.fit.absolute_scale;

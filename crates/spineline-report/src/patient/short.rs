@@ -140,27 +140,23 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
     }
     let verdicts = model.verdicts(analysis);
     let source = intervals.of_model(analysis, model);
-    let interval = |group: usize| {
-        let is_fitted = model.fit.bounds[group] == StiffnessBound::Inside
-            && verdicts[group].ending != MultiplierEnding::OthersAtBounds;
-        source.filter(|_| is_fitted)?.interval(model, group)
+    let refusal = |group: usize| match (model.fit.bounds[group], verdicts[group].ending) {
+        (StiffnessBound::Lower | StiffnessBound::Upper, _) => Some("at its bound"),
+        (_, MultiplierEnding::OthersAtBounds) => Some("no value: the others are at their bounds"),
+        _ => None,
     };
-    let intervals: Vec<Option<String>> = (0..values.len()).map(interval).collect();
-    let words = source.filter(|_| intervals.iter().any(Option::is_some)).map_or("", Source::words);
+    let interval =
+        |group: usize| source.filter(|_| refusal(group).is_none())?.interval(model, group);
+    let found: Vec<Option<String>> = (0..values.len()).map(interval).collect();
+    let words = source.filter(|_| found.iter().any(Option::is_some)).map_or("", Source::words);
     let one = |(group, (name, value)): (usize, (String, f64))| {
-        let note = match (model.fit.bounds[group], verdicts[group].ending) {
-            (StiffnessBound::Lower | StiffnessBound::Upper, _) => Some("at its bound".to_owned()),
-            (_, MultiplierEnding::OthersAtBounds) => {
-                Some("no value: the others are at their bounds".to_owned())
-            }
-            _ => intervals[group].clone(),
-        };
+        let note = refusal(group).map(str::to_owned).or_else(|| found[group].clone());
         let note = note.map_or_else(String::new, |text| format!(" ({text})"));
         format!("{} {}{note}", name, fixed(value, 2))
     };
     let all = model.groups.titles().zip(values).enumerate().map(one).collect::<Vec<_>>();
     let few = match source {
-        Some(Source::Replicates(found)) if words.is_empty() => found.few_words(),
+        Some(Source::Replicates(replicates)) if words.is_empty() => replicates.few_words(),
         _ => None,
     };
     let few = few.map_or_else(String::new, |few| format!(" {few}"));

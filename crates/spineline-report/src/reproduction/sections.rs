@@ -332,7 +332,8 @@ fn models(columns: &Columns<'_>, support: Support) -> Part {
     rows.extend(reductions(columns));
     rows.extend(test_rows(columns));
     let contradicted = |cohort: &Cohort| {
-        cohort.contradicted.as_ref().map_or_else(Cell::missing, |joints| Cell::of(joints, 1))
+        let joints = cohort.contradicted_by_inflection_line.as_ref();
+        joints.map_or_else(Cell::missing, |joints| Cell::of(joints, 1))
     };
     let name = "counter-rotating joints of 14, Model-1".to_owned();
     rows.push(ours(name, "1", columns.map(contradicted)));

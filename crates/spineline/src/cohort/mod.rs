@@ -106,7 +106,7 @@ pub struct Cohort {
     /// Patients with a film without a scale, which does not count in lengths.
     pub without_scale: usize,
     /// Joints per fitted film that turn against the force along the inflection line; `None` where no patient has a model of it.
-    pub contradicted: Option<Summary>,
+    pub contradicted_by_inflection_line: Option<Summary>,
     /// The lines on the same films, bends left out among them, with every test between them.
     pub compared: LinesOverPatients,
     /// Predictions without mechanics, and whether lines beat them.
@@ -203,7 +203,9 @@ impl Cohort {
             table_2: table_2(&patients),
             two_inflections: all.iter().filter(|patient| patient.inflections == 2).count(),
             without_scale: all.iter().filter(|patient| !patient.has_scale()).count(),
-            contradicted: kinds.contains(&LineKind::Inflection).then(|| contradicted(all)),
+            contradicted_by_inflection_line: kinds
+                .contains(&LineKind::Inflection)
+                .then(|| contradicted(all)),
             baselines: BaselinesOverPatients::of(all, &patients, &kinds),
             compared,
             ferguson_test,

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use spineline_files::DATABASE;
+use spineline_files::SQLITE_SIGNATURE;
 
 use crate::run::failure::Failure;
 
@@ -104,9 +104,9 @@ fn refuse_store(path: &Path, file: &Path) -> Result<(), Failure> {
 }
 
 fn is_database(file: &Path) -> bool {
-    let mut start = [0; DATABASE.len()];
+    let mut start = [0; SQLITE_SIGNATURE.len()];
     let read = File::open(file).and_then(|mut file| file.read_exact(&mut start));
-    read.is_ok() && start == *DATABASE
+    read.is_ok() && start == *SQLITE_SIGNATURE
 }
 
 /// Follows all links of a folder's path, up to the first part that does not exist.
