@@ -277,14 +277,14 @@ pub struct StatedUids<'a> {
     pub instance: Option<&'a str>,
 }
 
-/// A series of films in an archive, without the patient.
+/// A series of films in an archive. Its JSON has no patient.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[schema(as = ArchiveSeries)]
 pub struct SeriesFound {
     /// Study Instance UID.
-    pub study: String,
+    study: String,
     /// Series Instance UID.
-    pub series: String,
+    series: String,
     /// Day of the study, as `YYYY-MM-DD`.
     pub day: Option<String>,
     /// Modality, such as `DX`.

@@ -58,12 +58,13 @@ pub fn pdf(document: &Document, made: DateTime<Utc>) -> Result<Vec<u8>, PdfError
     bytes
 }
 
-/// The typesetter's date; `None` for a year that it does not have.
+/// The typesetter's date; `None` for a year that a PDF cannot have.
 fn datetime(made: DateTime<Utc>) -> Option<Datetime> {
-    // All parts of a day are below 60, and fit.
+    let year = u16::try_from(made.year()).ok()?;
+    // All of these are below 60, and fit.
     let [month, day] = [made.month(), made.day()].map(|part| part as u8);
     let [hour, minute, second] = [made.hour(), made.minute(), made.second()].map(|part| part as u8);
-    Datetime::from_ymd_hms(made.year(), month, day, hour, minute, second)
+    Datetime::from_ymd_hms(year.into(), month, day, hour, minute, second)
 }
 
 fn typeset(document: &Document, fonts: Vec<Font>, date: Datetime) -> Result<Vec<u8>, PdfError> {

@@ -96,6 +96,12 @@ impl CurrentCase {
         self.case.films.iter().find(|film| film.posture == posture)
     }
 
+    /// The frontal films that take part in the analysis.
+    pub fn usable_films(&self) -> impl Iterator<Item = (Posture, &CurrentFilm)> {
+        let films = self.films.iter().map(|(&posture, film)| (posture, film));
+        films.filter(|(_, film)| film.is_usable())
+    }
+
     /// The case of the films that take part in the analysis.
     #[must_use]
     pub fn usable_case(&self) -> Case {

@@ -113,7 +113,7 @@ impl Store {
         study_rows(&self.connection, None)
     }
 
-    /// Adds a film to a study without a reading plan. Bytes that a film of another study has too are stored once.
+    /// Adds a film to a study without a reading plan. Equal bytes of two studies are stored once.
     ///
     /// # Errors
     /// [`StoreError::AlreadyKnown`] where a film of this study has the same bytes, in any view; [`StoreError::ViewTwice`] for a second

@@ -60,6 +60,7 @@ fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
         Some((None, (film.image.columns, film.image.rows), file.lateral_source()?.file?))
     });
     let named = frontal.chain(lateral);
+    // `CaseFile::into_case` refuses a name in another folder.
     let placed =
         named.map(|(posture, size, name)| Beside { posture, size, place: folder.join(name) });
     placed.filter(|film| film.place.is_file()).collect()

@@ -236,6 +236,7 @@ fn read_sources(
     let mut sources = BTreeMap::new();
     for film in case.films.iter().filter(|film| args.posture.is_none_or(|p| p == film.posture)) {
         if let Some(name) = file.source(film.posture).and_then(|source| source.file) {
+            // `CaseFile::into_case` refuses a name in another folder.
             let source = read_source(&folder.join(name))
                 .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
             sources.insert(film.posture, source);

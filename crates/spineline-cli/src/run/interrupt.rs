@@ -132,7 +132,7 @@ pub fn begin_writing() {
     state().is_writing = true;
 }
 
-/// An unfinished file. It is removed if it is dropped without a name, or if a signal ends the program before.
+/// An unfinished file. It is removed if it is dropped without a name, or if a signal ends the program before it has its name.
 pub struct Part<F = NamedTempFile> {
     pub file: F,
     /// Dropped after the file.
@@ -149,7 +149,7 @@ impl Drop for Listed {
 }
 
 impl Part {
-    /// Makes a file. No signal comes before it is in the list.
+    /// Makes a file and lists it; a signal waits until both are done.
     ///
     /// # Errors
     /// If it cannot be made.
@@ -161,7 +161,7 @@ impl Part {
         Ok(Self { file, listed: Listed(path) })
     }
 
-    /// The same, closed.
+    /// Closes the file; a signal still removes it.
     pub fn close(self) -> Part<TempPath> {
         Part { file: self.file.into_temp_path(), listed: self.listed }
     }
@@ -172,7 +172,7 @@ impl Part<TempPath> {
     ///
     /// # Errors
     /// If it cannot have this name; it is removed then.
-    pub fn name(self, file: &Path) -> io::Result<()> {
+    pub fn persist(self, file: &Path) -> io::Result<()> {
         self.file.persist(file).map_err(|error| error.error)
     }
 }

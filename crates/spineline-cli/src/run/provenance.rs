@@ -51,7 +51,8 @@ pub fn this_run() -> Result<ProgramRun, Failure> {
 fn shown_words(words: impl Iterator<Item = String>) -> Vec<String> {
     let mut is_shard = false;
     let shown = words.map(|word| {
-        let value = word.strip_prefix("--shard=").or(is_shard.then_some(&word));
+        let joined = word.strip_prefix(Shard::OPTION).and_then(|rest| rest.strip_prefix('='));
+        let value = joined.or(is_shard.then_some(&word));
         let keeps = value.is_some_and(|value| value.parse::<Shard>().is_ok());
         is_shard = word == Shard::OPTION;
         if keeps { word } else { shown_word(&word) }

@@ -43,7 +43,8 @@ fn a_search_sends_an_escaped_value_and_finds_series_without_names() {
         Client::new(LIMITS).search(&archive(&address), &search("A/1 &x=../")).expect("series");
     assert!(!found.has_more);
     let [series] = &found.all[..] else { panic!("{found:?}") };
-    assert_eq!((series.study.as_str(), series.series.as_str()), ("1.2.3", "1.2.3.4"));
+    let uid = series.uid();
+    assert_eq!((uid.study(), uid.series()), ("1.2.3", "1.2.3.4"));
     assert_eq!(series.day.as_deref(), Some("2024-05-17"));
     assert_eq!(series.description.as_deref(), Some("Whole spine"));
     assert_eq!((series.modality.as_deref(), series.films), (Some("DX"), Some(2)));

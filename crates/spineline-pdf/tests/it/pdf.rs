@@ -171,10 +171,13 @@ fn a_report_without_content_is_a_page() {
 #[test]
 fn impossible_input_is_reported() {
     let document = document("P07");
-    let late = MADE.with_year(12_026).expect("a date");
-    let error = pdf(&document, late).expect_err("the year is too late");
-    let words = "the time of the report, 12026-01-02T03:04:05Z, is not a valid date";
-    assert!(matches!(error, PdfError::Date(_)) && error.to_string() == words);
+    for year in [12_026, -44] {
+        let made = MADE.with_year(year).expect("a date");
+        let error = pdf(&document, made).expect_err("a PDF cannot have this year");
+        let words =
+            format!("the time of the report, {year:04}-01-02T03:04:05Z, is not a valid date");
+        assert!(matches!(error, PdfError::Date(_)) && error.to_string() == words, "{error}");
+    }
     let mut broken = document;
     broken.sections[1].figure(Figure::new("broken", "No SVG", "<svg".to_owned()));
     let error = pdf(&broken, MADE).expect_err("no figure").to_string();

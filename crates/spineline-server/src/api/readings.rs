@@ -213,7 +213,7 @@ pub struct DetectionView {
     pub levels: String,
     /// Whether a person has to check the levels first.
     pub are_levels_doubtful: bool,
-    /// Other remarks on the proposals, as texts.
+    /// Remarks on the proposals beside the levels, as texts.
     pub remarks: Vec<String>,
     /// The vertebrae, caudal first.
     pub proposals: Vec<Proposal>,

@@ -9,11 +9,11 @@ use spineline_store::{ReadingState, VertebraReading};
 
 /// On the lateral film the front is in place of the left.
 pub fn landmarks(state: &ReadingState, view: FilmView) -> PartialReading {
-    let place = |&[column, row]: &[f64; 2]| Pixel::new(column, row);
-    let sides =
-        |places: &BTreeMap<Side, [f64; 2]>| Side::ALL.map(|side| places.get(&side).map(place));
+    let sides = |places: &BTreeMap<Side, [f64; 2]>| {
+        Side::ALL.map(|side| places.get(&side).copied().map(Pixel::from))
+    };
     let vertebra = |landmarks: &VertebraReading| PartialLandmarks {
-        corners: landmarks.placed(view).map(|corner| corner.as_ref().map(place)),
+        corners: landmarks.placed(view).map(|corner| corner.map(Pixel::from)),
         origins: landmarks.corner_origins(view),
         walls: sides(&landmarks.walls),
         axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),

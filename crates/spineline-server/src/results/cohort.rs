@@ -22,7 +22,7 @@ use crate::api::{
 };
 use crate::extract::Json;
 use crate::problem::Answer;
-use crate::result_cache::{Outcome, StudyResult, computed};
+use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
 use crate::user::User;
 
@@ -87,7 +87,8 @@ async fn of_studies(state: AppState, user: User, pools: bool) -> Answer<Json<Coh
 /// Finds second studies of a patient; a study that is counted comes before one that is not.
 fn find_same(members: &mut [Member]) {
     let mut ordered: Vec<&mut Member> = members.iter_mut().collect();
-    ordered.sort_by_key(|member| excluded(member).is_some());
+    // No member has `same` yet, so each answers for itself.
+    ordered.sort_by_cached_key(|member| !is_counted(member));
     let mut known = KnownPatients::default();
     for member in ordered {
         let case = member.result.as_ref().filter(|_| !member.apart).map(|one| &one.current.case);
@@ -98,7 +99,7 @@ fn find_same(members: &mut [Member]) {
 fn view(members: &[Member], is_mixed: bool) -> CohortView {
     let together = members.iter().filter(|member| !member.apart && member.same.is_none());
     let results: Vec<&StudyResult> = together.filter_map(|m| m.result.as_deref()).collect();
-    let counted = members.iter().filter(|member| excluded(member).is_none());
+    let counted = members.iter().filter(|member| is_counted(member));
     let counted = counted.filter_map(|member| member.result.as_ref());
     let analyses: Vec<&Analysis> = counted.filter_map(|result| result.analysis()).collect();
     let patients: Vec<CohortPatient> = analyses.iter().map(|one| CohortPatient::of(one)).collect();
@@ -145,7 +146,7 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
 fn other_options(members: &[Member]) -> Option<Notice> {
     let counted: Vec<&ChosenOptions> = members
         .iter()
-        .filter(|member| excluded(member).is_none())
+        .filter(|member| is_counted(member))
         .filter_map(|member| Some(&member.result.as_ref()?.current.options))
         .collect();
     let changed = counted.iter().filter(|options| !options.all().is_empty()).count();
@@ -161,20 +162,24 @@ fn other_options(members: &[Member]) -> Option<Notice> {
     (changed > 0).then(|| notices::notice(severity, "options_changed", text))
 }
 
+/// Whether the statistics count a study.
+fn is_counted(member: &Member) -> bool {
+    excluded(member).is_none()
+}
+
 /// Why the statistics leave a study out.
 fn excluded(member: &Member) -> Option<String> {
-    if let Some(same) = &member.same {
-        return Some(format!("{same}; a patient counts once: archive one of the two studies"));
-    }
-    match member.result.as_ref().map(|result| &result.outcome) {
-        Some(Outcome::Analysed(_)) if member.apart => {
-            Some("synthetic: not pooled with real studies".to_owned())
+    let analysis = member.result.as_ref().and_then(|result| result.analysis());
+    match (analysis, &member.same) {
+        (None, _) => Some(member.summary.status_text.clone()),
+        (Some(_), _) if member.apart => Some("synthetic: not pooled with real studies".to_owned()),
+        (Some(_), Some(same)) => {
+            Some(format!("{same}; a patient counts once: archive one of the two studies"))
         }
-        Some(Outcome::Analysed(analysis)) if analysis.warnings.has(WarningCode::NoSpacing) => {
+        (Some(analysis), None) if analysis.warnings.has(WarningCode::NoSpacing) => {
             Some("a film has no spacing; its lengths are not comparable".to_owned())
         }
-        Some(Outcome::Analysed(_)) => None,
-        _ => Some(member.summary.status_text.clone()),
+        (Some(_), None) => None,
     }
 }
 

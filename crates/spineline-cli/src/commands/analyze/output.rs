@@ -44,13 +44,13 @@ impl<'a, T> Growing<'a, T> {
         Self { outputs, path, made: Mutex::new(Some(begun)) }
     }
 
-    /// Its next step.
+    /// Its next step; a step that fails removes it.
     pub fn step(&self, step: impl FnOnce(&mut T) -> Result<(), Failure>) {
         // A step that panics ends the program.
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_whole =
-            made.as_mut().is_none_or(|one| self.outputs.attempt(self.path, || step(one)));
-        if !is_whole {
+        if let Some(one) = made.as_mut()
+            && !self.outputs.attempt(self.path, || step(one))
+        {
             *made = None;
         }
     }

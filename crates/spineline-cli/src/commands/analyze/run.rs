@@ -131,7 +131,7 @@ impl<'a> Kept<'a> {
         }
     }
 
-    /// Whether no interruption came before the first replicate.
+    /// Whether the run has results: nothing interrupted it, or at least one replicate is there.
     const fn has_results(&self) -> bool {
         !self.is_cut_short || self.has_replicates
     }

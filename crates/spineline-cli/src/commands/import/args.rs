@@ -151,7 +151,7 @@ pub fn answer_for<T: Copy>(all: &[OfFilm<T>], view: FilmView) -> Option<T> {
 }
 
 impl ImportArgs {
-    /// The ball or the ruler in a posture's film, on square pixels.
+    /// The ball or the ruler in a posture's film, as if its pixels were square; the caller sets their aspect.
     pub fn calibration(&self, posture: Posture) -> Option<Calibration> {
         let mut all = self.ball.iter().chain(&self.ruler);
         all.find(|(of, _)| *of == posture).map(|(_, calibration)| *calibration)

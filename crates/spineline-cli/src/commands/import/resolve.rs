@@ -62,7 +62,7 @@ impl fmt::Display for Question {
     }
 }
 
-/// The side of the patient whose place in the picture is asked for.
+/// The side of the patient that a question names.
 pub const fn asked_side(view: FilmView) -> &'static str {
     match view {
         FilmView::Frontal(_) => "left",

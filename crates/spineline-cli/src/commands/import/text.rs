@@ -20,7 +20,7 @@ pub fn list(candidates: &Candidates) -> Lines {
     let table = Table::of("", candidates.films.iter().enumerate(), |add| {
         add.numbers("Film", |(index, _)| (index + 1).to_string());
         add.words("Kind", |(_, film)| kind(film));
-        add.words("Size", |(_, film)| seen(film, size));
+        add.words("Size", |(_, film)| seen(film, |seen| size(seen.columns, seen.rows)));
         add.words("View", |(_, film)| seen(film, |seen| view(seen).to_owned()));
         add.words("Patient's left", |(_, film)| {
             seen(film, |seen| side(seen.view().patient_left).to_owned())
@@ -48,12 +48,15 @@ pub fn line(candidates: &Candidates, index: usize) -> String {
     let film = &candidates.films[index];
     let what = film.seen.as_ref().map_or_else(
         |_| String::new(),
-        |seen| format!("{}, {}, {} view, ", kind(film), size(seen), view(seen)),
+        |seen| {
+            let size = size(seen.columns, seen.rows);
+            format!("{}, {size}, {} view, ", kind(film), view(seen))
+        },
     );
     format!("{}: {what}{}", index + 1, film.found.place)
 }
 
-/// A cell of a film that can be used; another film has none.
+/// The cell of a readable film; `-` for any other.
 fn seen(film: &Candidate, cell: impl Fn(&Seen) -> String) -> String {
     film.seen.as_ref().map_or_else(|_| "-".to_owned(), cell)
 }
@@ -67,8 +70,8 @@ fn kind(film: &Candidate) -> String {
     text
 }
 
-fn size(seen: &Seen) -> String {
-    format!("{} × {}", seen.columns, seen.rows)
+fn size(columns: u32, rows: u32) -> String {
+    format!("{columns} × {rows}")
 }
 
 fn view(seen: &Seen) -> &'static str {
@@ -158,7 +161,7 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
     let mut text = Lines::default();
     let table = Table::of("", films, |add| {
         add.words("Film", |film| film.view.to_string());
-        add.words("Size", |film| format!("{} × {}", film.image.columns, film.image.rows));
+        add.words("Size", |film| size(film.image.columns, film.image.rows));
         add.words("Patient's left", |film| {
             let front = if film.view == FilmView::Lateral { "front: " } else { "" };
             format!("{front}{}", side(Some(film.image.patient_left)))

@@ -60,6 +60,7 @@ pub fn pictures(
 
 fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, String> {
     let name = film.source.file.as_deref().unwrap_or_default();
+    // `CaseFile::into_case` refuses a name in another folder.
     let bytes = film_bytes(&folder.join(name)).map_err(|error| error.to_string())?;
     let is_other = |sum: &String| *sum != sha256_hex(&bytes);
     if film.source.sha256.as_ref().is_some_and(is_other) {

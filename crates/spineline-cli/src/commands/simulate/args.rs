@@ -73,7 +73,7 @@ pub struct SimulateArgs {
     #[arg(long, conflicts_with_all = ["load", "posture"], help_heading = "One force")]
     pub follow: bool,
     /// Solve for the load factor, of either sign, that gives this lateral tilt of L4-T2 against L4's axis, in degrees from 0 to 90.
-    /// `check` and `analyze` measure the tilt of films against the iliac normal
+    /// `check` and `analyze` measure films against the iliac normal instead
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true, requires = "towards", help_heading = "Target")]
     pub amplitude: Option<f64>,
     /// Side of the lateral tilt

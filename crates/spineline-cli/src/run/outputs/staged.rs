@@ -268,7 +268,7 @@ impl Outputs {
                 }
                 Staged::Into(stream, content) => write_into(&stream, &content),
                 Staged::File { part, file, shown } => {
-                    let named = part.name(&file).map_err(failed(&shown));
+                    let named = part.persist(&file).map_err(failed(&shown));
                     named.map(|()| files.push(shown))
                 }
             };

@@ -22,13 +22,12 @@ pub async fn sources(
     result: &StudyResult,
 ) -> Answer<BTreeMap<Posture, SourceImage>> {
     let mut sources = BTreeMap::new();
-    for (&posture, film) in &result.current.films {
-        if film.is_usable() {
-            let content = film.record.content.clone();
-            let bytes = state.store(move |store| store.content(&content)).await?;
-            let name = format!("{posture} film");
-            sources.insert(posture, parse_source(&bytes, &name).map_err(|error| refused(&error))?);
-        }
+    let films: Vec<_> = result.current.usable_films().collect();
+    for (posture, film) in films {
+        let content = film.record.content.clone();
+        let bytes = state.store(move |store| store.content(&content)).await?;
+        let name = format!("{posture} film");
+        sources.insert(posture, parse_source(&bytes, &name).map_err(|error| refused(&error))?);
     }
     Ok(sources)
 }

@@ -20,10 +20,9 @@ use crate::state::AppState;
 /// The pictures of the films whose landmarks are used.
 pub async fn pictures(state: &AppState, result: &StudyResult) -> Answer<Vec<FilmPicture>> {
     let mut pictures = Vec::new();
-    for (&posture, film) in &result.current.films {
-        if film.is_usable() {
-            pictures.push(FilmPicture { posture, png: picture(state, &film.record).await? });
-        }
+    let films: Vec<_> = result.current.usable_films().collect();
+    for (posture, film) in films {
+        pictures.push(FilmPicture { posture, png: picture(state, &film.record).await? });
     }
     Ok(pictures)
 }
