@@ -36,12 +36,12 @@ fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
     for (film, bands) in compared.films.iter().zip(&bands.films) {
         let outline = analysis.movement.film(film.posture).map(|film| &film.outline);
         for (by, band) in &bands.bands {
-            let Some((shape, outline)) = film.shape(*by).zip(outline) else { continue };
+            let Some((shape, outline)) = compared.shape(film, *by).zip(outline) else { continue };
             let shown = outline.measured().skip(1).zip(&shape.location_errors_mm);
             all.extend(shown.map(|((i, vertebra), &error_mm)| Predicted {
                 posture: film.posture,
                 role: film.role,
-                method: compared.key(*by),
+                method: by.key(),
                 level: vertebra.level,
                 location: shape.locations[i],
                 error_mm,

@@ -2,8 +2,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use spineline::analysis::{
-    Analysis, BAND_COVERAGE, BendEvidence, ComparedFilm, Compatibility, FilmBands, FilmRole,
-    FreeNumbers, LinesCompared, MeanErrors, Predictor,
+    Analysis, BAND_COVERAGE, BendEvidence, ComparedFilm, Compatibility, FilmBands, FilmPredictor,
+    FilmRole, FreeNumbers, LinesCompared, MeanErrors,
 };
 use spineline::anatomy::{Levels, Posture};
 use spineline::cohort::{BaselineTest, BaselinesOverPatients};
@@ -244,7 +244,7 @@ fn film(
     levels: Levels,
 ) -> FilmRecord {
     let band =
-        |(by, band): &(Predictor, Band)| (found.key(*by).to_owned(), BandRecord::new(band, levels));
+        |(by, band): &(FilmPredictor, Band)| (by.key().to_owned(), BandRecord::new(band, levels));
     let location_mm = found.lines.iter().zip(&film.simulations).map(|(line, simulation)| {
         let mm = simulation.as_ref().map(|found| found.shape.mean_location_error_mm());
         (line.kind.key().to_owned(), mm)

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use spineline::analysis::{Analysis, AnalysisOptions, Case, Predictor, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmPredictor, analyze};
 use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline::evaluate::Band;
 use spineline::measure::Outline;
@@ -55,11 +55,12 @@ fn add(coverages: &mut Coverages, analysis: &Analysis) {
     for (film, bands) in compared.films.iter().zip(&analysis.bands().films) {
         let outline = &movement.film(film.posture).expect("a film").outline;
         for (by, band) in &bands.bands {
-            let name = format!("{} {}", film.role.key(), compared.key(*by));
+            let name = format!("{} {}", film.role.key(), by.key());
             let coverage = coverages.entry(name).or_default();
-            let shape = film.shape(*by).expect("a band is about a result");
+            let shape = compared.shape(film, *by).expect("a band is about a result");
             of_locations(coverage, band, outline, &shape.location_errors_mm);
-            let Predictor::Line(place) = *by else { continue };
+            let FilmPredictor::Line(kind) = *by else { continue };
+            let place = compared.lines.iter().position(|line| line.kind == kind).expect("a line");
             let found = film.simulations[place].as_ref().expect("a line with a result");
             for (i, bounds) in movement.regions.bounds.iter().enumerate() {
                 let error = found.ferguson_difference[i].abs();

@@ -150,7 +150,7 @@ const MOST_N: f64 = 2e4;
 /// The shape under a horizontal force at T2, and its line.
 fn loaded(statics: &GeneralStatics<'_>, size_n: f64) -> Option<(Deformed, LineOfAction)> {
     let force_n = Vec3::y() * size_n;
-    let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
+    let load = BodyLoad::at_midpoint(force_n);
     let options = PathOptions { look_beyond: false, ..PathOptions::default() };
     let path = statics.follow(&Loading::single(14, load), Goal::FullLoad, &options).ok()?;
     let shape = path.result()?.deformed.clone();

@@ -1,6 +1,6 @@
 //! Bends that were left out of the fit: measured, predicted by the best line, and predicted without mechanics.
 
-use spineline::analysis::{Analysis, ComparedFilm, FilmBands, FilmRole, Predictor};
+use spineline::analysis::{Analysis, ComparedFilm, FilmBands, FilmPredictor, FilmRole};
 use spineline::evaluate::Band;
 use spineline::number::fixed;
 use spineline::spatial::Frontal;
@@ -60,7 +60,7 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         let without = baseline.and_then(|one| film.baseline(one));
         let mm = format!("{kind} {} mm", fixed(simulation.shape.mean_location_error_mm(), 1));
         panel.heading(HeadingKind::Plain, mm);
-        if let Some(band) = bands.band(Predictor::Line(line)) {
+        if let Some(band) = bands.band(FilmPredictor::Line(kind)) {
             let radius = format!("95 % band ± {} mm", fixed(band.mean_radius_mm(), 1));
             panel.heading(HeadingKind::Plain, radius);
             panel.area(SKY, BAND_OPACITY, outline(&simulation.shape.locations, band));

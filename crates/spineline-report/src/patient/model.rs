@@ -1,6 +1,8 @@
 //! The personalised models: shapes, springs, errors, and the lines side by side.
 
-use spineline::analysis::{Analysis, BAND_COVERAGE, FilmRole, LineModel, LinesCompared, Predictor};
+use spineline::analysis::{
+    Analysis, BAND_COVERAGE, FilmPredictor, FilmRole, LineModel, LinesCompared,
+};
 use spineline::anatomy::Posture;
 use spineline::evaluate::{Baseline, Simulation};
 use spineline::multibody::StiffnessLibrary;
@@ -300,7 +302,7 @@ pub fn by_line(analysis: &Analysis) -> Table {
                 if role == FilmRole::Fitted { "none: fitted" } else { "prediction" }.to_owned(),
                 format!("{} of {all}", errors.films),
                 fixed(errors.location_mm, 2),
-                radius(bands.mean_radius_mm(Predictor::Line(place), role)),
+                radius(bands.mean_radius_mm(FilmPredictor::Line(line.kind), role)),
                 fixed(errors.ferguson_deg, 1),
                 numbers(&line.numbers, role),
             ]);
@@ -313,7 +315,7 @@ pub fn by_line(analysis: &Analysis) -> Table {
                 "without mechanics".to_owned(),
                 format!("{} of {all}", found.baseline_films(baseline, role)),
                 fixed(mm, 2),
-                radius(bands.mean_radius_mm(Predictor::Baseline(baseline), role)),
+                radius(bands.mean_radius_mm(FilmPredictor::Baseline(baseline), role)),
                 none(),
                 format!("{} per film", taken(baseline)),
             ]);

@@ -1,7 +1,7 @@
 //! The first page: which line, how sure, how stiff, what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmRole, LineModel, MultiplierEnding, Predictor};
+use spineline::analysis::{Analysis, FilmPredictor, FilmRole, LineModel, MultiplierEnding};
 use spineline::evaluate::Baseline;
 use spineline::number::{self, fixed};
 use spineline::personalize::{Identifiability, StiffnessBound, TestOutcome};
@@ -205,7 +205,7 @@ fn table(analysis: &Analysis) -> Table {
         let mut row = vec![sentence_case(&line.kind.to_string()), outcome(analysis, model)];
         row.extend(roles.iter().flat_map(|&role| {
             let error = compared.errors(i, role).map(|found| found.location_mm);
-            [mm(error), mm(bands.mean_radius_mm(Predictor::Line(i), role))]
+            [mm(error), mm(bands.mean_radius_mm(FilmPredictor::Line(line.kind), role))]
         }));
         row.push(line.numbers.per_predicted_film.to_string());
         table.row(row);
@@ -216,7 +216,7 @@ fn table(analysis: &Analysis) -> Table {
             continue;
         }
         let mut row = vec![format!("* {baseline}"), none()];
-        let by = Predictor::Baseline(baseline);
+        let by = FilmPredictor::Baseline(baseline);
         let cells = roles.iter().zip(errors);
         row.extend(
             cells.flat_map(|(&role, error)| [mm(error), mm(bands.mean_radius_mm(by, role))]),

@@ -1,7 +1,7 @@
 //! The first screen answers which line, how sure, how stiff and what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmRole, MultiplierVerdict, Predictor};
+use spineline::analysis::{Analysis, FilmPredictor, FilmRole, MultiplierVerdict};
 use spineline::cohort::ErrorKind;
 use spineline::evaluate::Baseline;
 use spineline::number::fixed;
@@ -61,7 +61,7 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
         for (cell, role) in [(2, FilmRole::LeftOutBend), (4, FilmRole::HeldOut)] {
             let mm = compared.errors(place, role).map(|errors| errors.location_mm);
             assert_eq!(row[cell], shown(mm));
-            let radius = bands.mean_radius_mm(Predictor::Line(place), role);
+            let radius = bands.mean_radius_mm(FilmPredictor::Line(line.kind), role);
             assert_eq!(row[cell + 1], shown(radius));
         }
     }

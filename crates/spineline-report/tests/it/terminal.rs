@@ -1,7 +1,7 @@
 //! What a terminal shows holds every number and every word of the analysis, aligned and in lines that fit.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Predictor, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmPredictor, FilmRole, analyze};
 use spineline::anatomy::Level;
 use spineline::hypothesis::{Hypothesis, HypothesisScores, Role, compare};
 use spineline::measure::{FilmReadings, TiltRule};
@@ -162,7 +162,7 @@ fn every_error_force_and_multiplier_is_shown() {
                 FilmRole::Fitted => format!("= {} fitted", line.numbers.fitted()),
                 _ => format!("{} per film", line.numbers.per_predicted_film),
             };
-            let radius = bands.mean_radius_mm(Predictor::Line(place), role);
+            let radius = bands.mean_radius_mm(FilmPredictor::Line(line.kind), role);
             let cells = [
                 role.to_string(),
                 line.kind.to_string(),

@@ -1,6 +1,6 @@
 //! 95 % bands of predicted films, by method.
 
-use super::comparison::{FilmRole, Predictor};
+use super::comparison::{FilmPredictor, FilmRole};
 use crate::evaluate::Band;
 use crate::number::mean;
 
@@ -10,7 +10,7 @@ pub struct FilmBands {
     /// Role of the film for lines and predictions without mechanics.
     pub role: FilmRole,
     /// By predictor with a result: lines, then predictions without mechanics.
-    pub bands: Vec<(Predictor, Band)>,
+    pub bands: Vec<(FilmPredictor, Band)>,
 }
 
 /// How often the bands hold the measured film (decision 0061).
@@ -28,7 +28,7 @@ pub struct Bands {
 impl Bands {
     /// Mean radius over the films of a role on which a predictor has a result, in mm.
     #[must_use]
-    pub fn mean_radius_mm(&self, by: Predictor, role: FilmRole) -> Option<f64> {
+    pub fn mean_radius_mm(&self, by: FilmPredictor, role: FilmRole) -> Option<f64> {
         let films = self.films.iter().filter(|film| film.role == role);
         mean(films.filter_map(|film| film.band(by)).map(Band::mean_radius_mm))
     }
@@ -37,7 +37,7 @@ impl Bands {
 impl FilmBands {
     /// The band of a predictor; `None` where it has no result.
     #[must_use]
-    pub fn band(&self, by: Predictor) -> Option<&Band> {
+    pub fn band(&self, by: FilmPredictor) -> Option<&Band> {
         self.bands.iter().find(|(own, _)| *own == by).map(|(_, band)| band)
     }
 }

@@ -20,7 +20,7 @@ impl Analysis {
         self.models.iter().find(|model| model.kind == kind)
     }
 
-    /// The models with the lines that are not fitted to the films, so that bends can test them.
+    /// The models of the lines that bends can test: the films do not determine these lines.
     pub(crate) fn testable_models(&self) -> impl Iterator<Item = &LineModel> {
         self.models.iter().filter(|model| model.kind != LineKind::Estimated)
     }
@@ -29,7 +29,7 @@ impl Analysis {
     #[must_use]
     pub fn entry_of<'a, T>(&self, kind: LineKind, all: &'a [Option<T>]) -> Option<&'a T> {
         let place = self.models.iter().position(|model| model.kind == kind)?;
-        all[place].as_ref()
+        all.get(place)?.as_ref()
     }
 
     /// The converged model of the line that best predicts films that were not fitted; if no line predicts any, the first converged

@@ -101,24 +101,26 @@ impl ComparedFilm {
     pub fn baseline(&self, baseline: Baseline) -> Option<&BaselinePrediction> {
         self.baselines.iter().find(|one| one.baseline == baseline && one.is_usable())
     }
-
-    /// The shape by a predictor of the film; `None` without a result.
-    #[must_use]
-    pub fn shape(&self, by: Predictor) -> Option<&FilmShape> {
-        match by {
-            Predictor::Line(line) => self.simulations[line].as_ref().map(|found| &found.shape),
-            Predictor::Baseline(one) => self.baseline(one).map(|found| &found.shape),
-        }
-    }
 }
 
 /// A predictor of the vertebrae of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Predictor {
-    /// A line, by its place in [`LinesCompared::lines`].
-    Line(usize),
+pub enum FilmPredictor {
+    /// A line.
+    Line(LineKind),
     /// Joint rotations without mechanics.
     Baseline(Baseline),
+}
+
+impl FilmPredictor {
+    /// Its name in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Line(kind) => kind.key(),
+            Self::Baseline(one) => one.key(),
+        }
+    }
 }
 
 /// Lines of action and joint rotations without mechanics, on the same predicted films of a patient.
@@ -189,12 +191,15 @@ pub struct MeanErrors {
 }
 
 impl LinesCompared {
-    /// The name of a predictor in files.
+    /// The shape that a predictor gives the film; `None` without a result.
     #[must_use]
-    pub fn key(&self, by: Predictor) -> &'static str {
+    pub fn shape<'a>(&self, film: &'a ComparedFilm, by: FilmPredictor) -> Option<&'a FilmShape> {
         match by {
-            Predictor::Line(place) => self.lines[place].kind.key(),
-            Predictor::Baseline(one) => one.key(),
+            FilmPredictor::Line(kind) => {
+                let place = self.lines.iter().position(|line| line.kind == kind)?;
+                film.simulations[place].as_ref().map(|found| &found.shape)
+            }
+            FilmPredictor::Baseline(one) => film.baseline(one).map(|found| &found.shape),
         }
     }
 
@@ -224,25 +229,25 @@ impl LinesCompared {
     /// Number of films of a role that a baseline predicts.
     #[must_use]
     pub fn baseline_films(&self, baseline: Baseline, role: FilmRole) -> usize {
-        self.predicted(Predictor::Baseline(baseline), role).len()
+        self.predicted(FilmPredictor::Baseline(baseline), role).len()
     }
 
     /// Mean location error of a baseline over all vertebrae of the films of a role that it predicts; `None` without such a film.
     #[must_use]
     pub fn baseline_error_mm(&self, baseline: Baseline, role: FilmRole) -> Option<f64> {
-        let by = Predictor::Baseline(baseline);
+        let by = FilmPredictor::Baseline(baseline);
         self.mean_mm(by, &self.predicted(by, role))
     }
 
     /// Places of the films of a role that have a prediction.
-    fn predicted(&self, by: Predictor, role: FilmRole) -> Vec<usize> {
-        let films = self.of_role(role).filter(|(_, film)| film.shape(by).is_some());
+    fn predicted(&self, by: FilmPredictor, role: FilmRole) -> Vec<usize> {
+        let films = self.of_role(role).filter(|(_, film)| self.shape(film, by).is_some());
         films.map(|(place, _)| place).collect()
     }
 
     /// Mean location error in mm over some films; `None` if one is not predicted, or without films.
-    fn mean_mm(&self, by: Predictor, films: &[usize]) -> Option<f64> {
-        let shapes = films.iter().map(|&film| self.films[film].shape(by));
+    fn mean_mm(&self, by: FilmPredictor, films: &[usize]) -> Option<f64> {
+        let shapes = films.iter().map(|&film| self.shape(&self.films[film], by));
         let shapes = shapes.collect::<Option<Vec<_>>>()?;
         mean(shapes.into_iter().flat_map(|shape| shape.location_errors_mm.iter().copied()))
     }
@@ -255,9 +260,9 @@ impl LinesCompared {
     }
 
     fn ranked(&self, role: FilmRole) -> Option<Ranking> {
-        let mut found: Vec<(usize, Vec<usize>)> = self
+        let mut found: Vec<(LineKind, Vec<usize>)> = self
             .fair_lines()
-            .map(|line| (line, self.predicted(Predictor::Line(line), role)))
+            .map(|kind| (kind, self.predicted(FilmPredictor::Line(kind), role)))
             .filter(|(_, films)| !films.is_empty())
             .collect();
         // Lines that share no film cannot be ranked: the one with fewest films goes first.
@@ -274,26 +279,22 @@ impl LinesCompared {
         };
         let mut lines: Vec<(LineKind, f64)> = found
             .iter()
-            .filter_map(|(line, _)| {
-                Some((self.lines[*line].kind, self.mean_mm(Predictor::Line(*line), &films)?))
-            })
+            .filter_map(|&(kind, _)| Some((kind, self.mean_mm(FilmPredictor::Line(kind), &films)?)))
             .collect();
         lines.sort_by(|a, b| a.1.total_cmp(&b.1));
         let baselines = Baseline::ALL
             .into_iter()
             .filter(|one| !one.knows_tilt())
-            .filter_map(|one| Some((one, self.mean_mm(Predictor::Baseline(one), &films)?)));
+            .filter_map(|one| Some((one, self.mean_mm(FilmPredictor::Baseline(one), &films)?)));
         let baseline = baselines.min_by(|a, b| a.1.total_cmp(&b.1));
         Some(Ranking { role, films, lines, baseline })
     }
 
-    /// Places of the lines that take fewest numbers from a predicted film.
-    fn fair_lines(&self) -> impl Iterator<Item = usize> {
+    /// The lines that take fewest numbers from a predicted film.
+    fn fair_lines(&self) -> impl Iterator<Item = LineKind> {
         let few = self.lines.iter().map(|line| line.numbers.per_predicted_film).min();
-        let lines = self.lines.iter().enumerate();
-        lines
-            .filter(move |(_, line)| Some(line.numbers.per_predicted_film) == few)
-            .map(|(place, _)| place)
+        let is_fair = move |line: &&ComparedLine| Some(line.numbers.per_predicted_film) == few;
+        self.lines.iter().filter(is_fair).map(|line| line.kind)
     }
 
     /// Why the first line of [`Self::ranking`] comes first: its error, the error of the next line, and of the best prediction without

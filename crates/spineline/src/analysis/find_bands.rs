@@ -2,7 +2,7 @@
 
 use super::Analysis;
 use super::bands::{Bands, FilmBands};
-use super::comparison::{ComparedFilm, FilmRole, Predictor};
+use super::comparison::{ComparedFilm, FilmPredictor, FilmRole};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::clinical::Regions;
@@ -72,20 +72,24 @@ impl Known {
         }
     }
 
-    fn predicted<'a>(&'a self, film: &'a ComparedFilm, by: Predictor) -> Option<PredictedFilm<'a>> {
+    fn predicted<'a>(
+        &'a self,
+        shape: &'a FilmShape,
+        by: FilmPredictor,
+    ) -> Option<PredictedFilm<'a>> {
         let covariance = match by {
-            Predictor::Baseline(Baseline::RotationPrior) => self.by_given_and_place.as_ref(),
-            Predictor::Baseline(Baseline::RotationPriorWithTilt) => {
+            FilmPredictor::Baseline(Baseline::RotationPrior) => self.by_given_and_place.as_ref(),
+            FilmPredictor::Baseline(Baseline::RotationPriorWithTilt) => {
                 self.by_given_place_and_tilt.as_ref().or(self.by_place_and_tilt.as_ref())
             }
             // Its errors depend on the form of the curve, not on joints.
-            Predictor::Baseline(Baseline::Cubic) => None,
-            Predictor::Line(_)
-            | Predictor::Baseline(
+            FilmPredictor::Baseline(Baseline::Cubic) => None,
+            FilmPredictor::Line(_)
+            | FilmPredictor::Baseline(
                 Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients,
             ) => self.by_place.as_ref(),
         };
-        Some(self.film(covariance?, film.shape(by)?))
+        Some(self.film(covariance?, shape))
     }
 
     fn load<'a>(&'a self, found: &'a ShapePrediction) -> Option<PredictedFilm<'a>> {
@@ -164,13 +168,15 @@ impl Analysis {
             bands: Vec::new(),
         };
         let mut bands: Vec<FilmBands> = films.iter().map(none).collect();
-        let lines = (0..compared.lines.len()).map(Predictor::Line);
-        for by in lines.chain(Baseline::ALL.map(Predictor::Baseline)) {
-            let predicted: Vec<_> =
-                films.iter().map(|(film, known)| (*known)?.predicted(film, by)).collect();
+        let lines = compared.lines.iter().map(|line| FilmPredictor::Line(line.kind));
+        for by in lines.chain(Baseline::ALL.map(FilmPredictor::Baseline)) {
+            let predicted: Vec<_> = films
+                .iter()
+                .map(|(film, known)| (*known)?.predicted(compared.shape(film, by)?, by))
+                .collect();
             let of_others = |i: usize| match by {
-                Predictor::Line(place) => mean_square_of_line(compared.lines[place].kind),
-                Predictor::Baseline(one) => {
+                FilmPredictor::Line(kind) => mean_square_of_line(kind),
+                FilmPredictor::Baseline(one) => {
                     mean_square_of_baseline(one, films[i].1.is_some_and(Known::has_given))
                 }
             };

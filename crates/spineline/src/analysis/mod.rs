@@ -51,8 +51,8 @@ pub use checks::check_repeated;
 pub use choice::ModelChoice;
 pub(crate) use comparison::ferguson_errors_deg;
 pub use comparison::{
-    ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LinesCompared, MeanErrors,
-    Predictor, Ranking,
+    ComparedFilm, ComparedLine, FilmPredictor, FilmRole, FreeNumbers, LeftOutBend, LinesCompared,
+    MeanErrors, Ranking,
 };
 pub use compatibility::{BendEvidence, Compatibility};
 pub use headline::Headline;
@@ -110,7 +110,8 @@ pub fn is_case_id(text: &str) -> bool {
 }
 
 /// Lenke classes, in words.
-pub const LENKE_RULE: &str = "a type from 1 to 6, such as 1; the modifiers A, B or C and -, N or + may follow, as in 1A and 1AN";
+pub const LENKE_RULE: &str =
+    "a type from 1 to 6, then A, B or C, then -, N or +, each where it is known: 1, 1A or 1AN";
 
 /// Whether a text is a Lenke class, by [`LENKE_RULE`]; files allow only these.
 #[must_use]

@@ -52,7 +52,7 @@ pub struct PersonalisedModel {
     pub support: Support,
     /// Loads that were found, one per simulated posture; empty where the erect film alone carries the weight of the trunk.
     pub loads: Vec<FilmLoad>,
-    /// Doubts about this model, by the films: one sentence each.
+    /// Doubts that the films raise about this model, one sentence each.
     pub doubts: Vec<String>,
 }
 
@@ -123,7 +123,7 @@ impl Analysis {
         }
     }
 
-    /// The doubts about the model of a line, by the films.
+    /// The doubts that the films raise about the model of a line.
     fn doubts(&self, line: &LineModel) -> Vec<String> {
         let rejected = self.compatibility(line).outcome() == TestOutcome::Rejected;
         let rejected = rejected.then(|| {

@@ -12,7 +12,7 @@ use crate::warning::{WarningCode, counted, first_named};
 pub struct DoubtedFilm {
     /// The patient.
     pub case_id: String,
-    /// The film; `None` for the lateral one.
+    /// The film; in files `null` for the lateral one.
     pub posture: Option<Posture>,
     /// The warning.
     pub code: WarningCode,

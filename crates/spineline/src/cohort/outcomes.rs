@@ -62,7 +62,7 @@ pub struct LineOutcomes {
     pub bends: OutcomeCounts,
 }
 
-/// The limit of the test, in words.
+/// The level of the test, in words.
 const LEVEL_OF_TEST: &str = "level of the test 5 %";
 
 /// Least and most percent of the bends in which the test rejects a true line of synthetic patients (`validation/claims.md`); `None` where

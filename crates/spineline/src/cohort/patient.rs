@@ -369,11 +369,12 @@ impl PatientFilm {
         let estimates = |all: &Option<[SegmentEstimate; 2]>| {
             all.as_ref().map(|e| e.each_ref().map(|one| Estimate::of(one, movement.scale())))
         };
+        let has_scale = film.outline.scale.has_millimetres();
         Self {
             posture: film.outline.posture,
             has_motion: motion.is_some(),
-            has_scale: film.outline.scale.has_millimetres(),
-            rmse_mm: film.outline.scale.has_millimetres().then_some(film.fit.rmse_mm),
+            has_scale,
+            rmse_mm: has_scale.then_some(film.fit.rmse_mm),
             rmse_deg: film.fit.rmse_tilt.deg(),
             least_rotations_deg: motion.map(|m| m.least.map(|k| m.rotations[k].deg())),
             inflection_estimates: estimates(&film.inflection_estimates),

@@ -157,7 +157,7 @@ impl FilmLandmarks {
         }
     }
 
-    /// Readings of corners, to change them.
+    /// Readings of corners, to change them; empty for a film of placements.
     pub fn corner_readings_mut(&mut self) -> &mut [Reading<VertebraLandmarks>] {
         match self {
             Self::Corners { readings, .. } => readings,

@@ -8,7 +8,7 @@ use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal, Vec3};
 
 named! {
-    /// The way a force points along its line, or loads along themselves.
+    /// Whether a force points along its line or against it; of several loads, whether they act as given or reversed.
     pub enum ForceSign {
         /// Along the direction.
         Positive = "along",

@@ -48,19 +48,19 @@ impl UnitLoad {
     pub fn turned_items(&self, times: f64, base: Angle) -> Vec<LoadItem> {
         let seen = rotation_x(-base);
         let back = |v: &Vec3| -Vec3::x().cross(v);
-        let loads = match self.kind {
+        let item = |load: BodyLoad| LoadItem::proportional(self.vertebra, load);
+        match self.kind {
             UnitKind::OnLine { point_mm, force } => {
                 let (point, force) = (seen * point_mm, seen * force * times);
                 let turned = BodyLoad::ForceOnLine { force_n: back(&force), point_mm: point };
                 let moved = BodyLoad::Moment { moment_nmm: back(&point).cross(&force) };
-                vec![turned, moved]
+                vec![item(turned), item(moved)]
             }
             UnitKind::AtMidpoint { force } => {
-                vec![BodyLoad::at_midpoint(back(&(seen * force * times)))]
+                vec![item(BodyLoad::at_midpoint(back(&(seen * force * times))))]
             }
             UnitKind::Couple { .. } => Vec::new(),
-        };
-        loads.into_iter().map(|load| LoadItem::proportional(self.vertebra, load)).collect()
+        }
     }
 
     /// Moment about a joint, where a film shows the vertebrae; zero for a joint above.

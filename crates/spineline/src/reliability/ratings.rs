@@ -1,3 +1,4 @@
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 
 use super::Undefined;
@@ -6,7 +7,7 @@ use super::Undefined;
 pub(super) type Reader = (String, u32);
 
 /// Readings of one quantity: subjects × observers × repeats, with or without gaps.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RatedQuantity {
     /// Stable name, such as `spacing`.
     pub key: String,
@@ -38,15 +39,16 @@ struct Cell {
 }
 
 /// The number of a name, in the order in which they come. A name that is known is not copied.
-fn number<Name>(names: &mut BTreeMap<Name::Owned, u32>, name: &Name) -> u32
-where
-    Name: ?Sized + Ord + ToOwned<Owned: Ord>,
-{
+fn number<Owned: Ord + Borrow<Name>, Name: Ord + ?Sized>(
+    names: &mut BTreeMap<Owned, u32>,
+    name: &Name,
+    owned: impl FnOnce() -> Owned,
+) -> u32 {
     if let Some(&known) = names.get(name) {
         return known;
     }
     let next = names.len() as u32;
-    names.insert(name.to_owned(), next);
+    names.insert(owned(), next);
     next
 }
 
@@ -57,8 +59,18 @@ impl RatedQuantity {
         unit: impl Into<String>,
         meaning: impl Into<String>,
     ) -> Self {
-        let (key, unit, meaning) = (key.into(), unit.into(), meaning.into());
-        Self { key, unit, meaning, ..Self::default() }
+        Self {
+            key: key.into(),
+            unit: unit.into(),
+            meaning: meaning.into(),
+            not_reviewed: 0,
+            accepted: 0,
+            left_out_in_pixels: Vec::new(),
+            readers: BTreeMap::new(),
+            parts: BTreeMap::new(),
+            places: BTreeMap::new(),
+            subjects: 0,
+        }
     }
 
     /// Adds a reading; `false`, and nothing is changed, where this observer's repeat of this subject is there already.
@@ -76,7 +88,8 @@ impl RatedQuantity {
         reader: &Reader,
         value: f64,
     ) -> bool {
-        let (reader, part) = (number(&mut self.readers, reader), number(&mut self.parts, part));
+        let reader = number(&mut self.readers, reader, || reader.clone());
+        let part = number(&mut self.parts, part, || part.to_owned());
         if !self.places.contains_key(place) {
             self.places.insert(place.to_owned(), Vec::new());
         }

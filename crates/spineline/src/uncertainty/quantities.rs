@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::action::LineKind;
-use crate::analysis::Analysis;
+use crate::analysis::{Analysis, LineModel};
 use crate::anatomy::{Level, Posture, Region, named};
 use crate::clinical::SagittalPart;
 use crate::measure::LengthScale;
@@ -91,16 +91,22 @@ pub struct AnalysisQuantity {
     /// What is measured.
     pub kind: QuantityKind,
     /// The film; of a number in space the erect one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub posture: Option<Posture>,
     /// The vertebra.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub level: Option<Level>,
     /// The region of a curve.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region: Option<Region>,
     /// The line of action.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<LineKind>,
     /// Which multiplier of the line's model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multiplier: Option<usize>,
     /// Which inflection, or which window of least rotation: 0 is the caudal one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end: Option<usize>,
 }
 
@@ -158,7 +164,7 @@ impl QuantityKind {
         AnalysisQuantity { posture: Some(posture), ..self.of_case() }
     }
 
-    /// Its unit where the films have a spacing and a force was measured.
+    /// Its unit where the films have a spacing and the forces are absolute.
     const fn full_unit(self) -> QuantityUnit {
         match self {
             Self::ChainLength
@@ -214,7 +220,7 @@ impl QuantityKind {
         )
     }
 
-    /// Period of an angle, in degrees; a line's is half a turn.
+    /// Period of an angle, in degrees; a line's is half a turn. An absolute angle does not have one.
     pub(super) fn period_deg(self) -> Option<f64> {
         match self {
             Self::LineTilt => Some(180.0),
@@ -255,6 +261,11 @@ impl AnalysisQuantity {
         Self { end: Some(end), ..self }
     }
 
+    /// The model of its line.
+    fn model(self, analysis: &Analysis) -> Option<&LineModel> {
+        self.line.and_then(|line| analysis.model(line))
+    }
+
     /// The region, or the name of the joints that share a multiplier, where it has one.
     #[must_use]
     pub fn group(self, analysis: &Analysis) -> Option<String> {
@@ -262,8 +273,7 @@ impl AnalysisQuantity {
             return Some(region.key().to_owned());
         }
         let place = self.multiplier?;
-        let model = self.line.and_then(|line| analysis.model(line));
-        let name = model.and_then(|model| model.groups.names().get(place).cloned());
+        let name = self.model(analysis).and_then(|model| model.groups.names().get(place).cloned());
         Some(name.unwrap_or_else(|| format!("group {}", place + 1)))
     }
 
@@ -284,8 +294,7 @@ impl AnalysisQuantity {
     #[must_use]
     pub fn unit(self, analysis: &Analysis) -> QuantityUnit {
         let gauge = analysis.options.gauge;
-        let model = || self.line.and_then(|line| analysis.model(line));
-        let is_absolute = || model().is_some_and(|model| model.is_absolute(gauge));
+        let is_absolute = || self.model(analysis).is_some_and(|model| model.is_absolute(gauge));
         match self.kind.full_unit() {
             QuantityUnit::Millimetres if self.scale(analysis).pixels_per_mm.is_some() => {
                 QuantityUnit::Pixels
@@ -323,9 +332,8 @@ impl AnalysisQuantity {
 
     /// Whether it is a multiplier that ended at a bound of the fit.
     pub(super) fn is_at_bound(self, analysis: &Analysis) -> bool {
-        let model = self.line.and_then(|line| analysis.model(line));
-        let bound =
-            model.zip(self.multiplier).and_then(|(model, place)| model.fit.bounds.get(place));
+        let model = self.model(analysis).zip(self.multiplier);
+        let bound = model.and_then(|(model, place)| model.fit.bounds.get(place));
         bound.is_some_and(|bound| *bound != StiffnessBound::Inside)
     }
 }

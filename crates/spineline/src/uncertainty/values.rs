@@ -100,7 +100,8 @@ impl AnalysisQuantity {
             QuantityKind::SegmentLength => chain.segment_mm,
             QuantityKind::InflectionY => inflection()?.erect.y_mm,
             QuantityKind::InflectionZ => inflection()?.erect.z_mm,
-            _ => movement.erect().fit.curve.length_mm(inflection()?.t_mm),
+            QuantityKind::InflectionArc => movement.erect().fit.curve.length_mm(inflection()?.t_mm),
+            _ => return Err(Absent::NotMeasured),
         };
         Ok(self.length(length_mm, analysis))
     }
@@ -112,7 +113,10 @@ impl AnalysisQuantity {
         match self.kind {
             QuantityKind::Cobb => curve.cobb_in(posture),
             QuantityKind::TiltRange => Some(curve.angles_in(posture)?.tilt_range),
-            _ => curve.ferguson.iter().find(|(p, _)| *p == posture).map(|(_, angle)| *angle),
+            QuantityKind::Ferguson => {
+                curve.ferguson.iter().find(|(p, _)| *p == posture).map(|(_, angle)| *angle)
+            }
+            _ => None,
         }
     }
 
@@ -123,7 +127,8 @@ impl AnalysisQuantity {
         Ok(match self.kind {
             QuantityKind::LocationY => self.length(vertebra.location.y_mm, analysis),
             QuantityKind::LocationZ => self.length(vertebra.location.z_mm, analysis),
-            _ => vertebra.tilt.deg(),
+            QuantityKind::Tilt => vertebra.tilt.deg(),
+            _ => return Err(Absent::NotMeasured),
         })
     }
 
@@ -145,7 +150,8 @@ impl AnalysisQuantity {
             QuantityKind::ComparisonAngle => line()?.angle.deg(),
             QuantityKind::ComparisonDistance => line()?.distance_mm,
             QuantityKind::LeastDistance => self.length(estimate()?.distance_mm, analysis),
-            _ => estimate()?.distance_segments as f64,
+            QuantityKind::LeastDistanceSegments => estimate()?.distance_segments as f64,
+            _ => return Err(Absent::NotMeasured),
         })
     }
 
@@ -177,10 +183,11 @@ impl AnalysisQuantity {
             QuantityKind::Force => sense * simulation.force_n,
             QuantityKind::LocationError => simulation.shape.mean_location_error_mm(),
             QuantityKind::ContradictedJoints => simulation.contradicted.len() as f64,
-            _ => {
+            QuantityKind::FergusonError => {
                 let region = self.region.ok_or(Absent::NotMeasured)?;
                 simulation.ferguson_difference[region.index()].abs().deg()
             }
+            _ => return Err(Absent::NotMeasured),
         })
     }
 }

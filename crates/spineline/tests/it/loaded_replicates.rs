@@ -38,7 +38,7 @@ fn analysed(case: &Case) -> Analysis {
 }
 
 fn force(force_n: Vec3) -> Loading {
-    Loading::single(TOP, BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() })
+    Loading::single(TOP, BodyLoad::at_midpoint(force_n))
 }
 
 /// A push at T2 to the patient's left.

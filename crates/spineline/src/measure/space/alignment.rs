@@ -60,11 +60,11 @@ impl HeightPlane {
     }
 }
 
-/// The height of a vertebra on the frontal film, and its standard deviation.
+/// The height of a vertebra on the frontal film, and its standard deviation, in the unit of its film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FrontalHeight {
-    pub mm: f64,
-    pub sd_mm: f64,
+    pub height: f64,
+    pub sd: f64,
 }
 
 /// A vertebra on both films.
@@ -78,32 +78,45 @@ struct HeightPair {
 /// Deviation of a coordinate on the lateral film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum LateralSd {
-    Film(f64),
-    Millimetres(f64),
+    /// In the unit of the lateral film.
+    Lateral(f64),
+    /// In the unit of the frontal film.
+    Frontal(f64),
 }
 
 impl LateralSd {
-    /// Of a corner as readings show it; where nothing was read twice, it is assumed, in millimetres.
-    pub fn of(lateral: &LateralOutline, assumed_mm: f64) -> Self {
-        lateral.corner_sd.map_or(Self::Millimetres(assumed_mm), Self::Film)
+    /// Of a corner as readings show it; where nothing was read twice, it is `assumed`, in the unit of the frontal film.
+    pub fn of(lateral: &LateralOutline, assumed: f64) -> Self {
+        lateral.corner_sd.map_or(Self::Frontal(assumed), Self::Lateral)
     }
 
     /// Of the height of the crossing of a body's diagonals, from its corners.
     pub fn upwards(self, body: &LateralVertebra) -> Self {
         let upwards = |corner_sd: f64| crossing_sd(corner_sd, body.depth, body.height)[1];
         match self {
-            Self::Film(sd) => Self::Film(upwards(sd)),
-            Self::Millimetres(sd) => Self::Millimetres(upwards(sd)),
+            Self::Lateral(sd) => Self::Lateral(upwards(sd)),
+            Self::Frontal(sd) => Self::Frontal(upwards(sd)),
         }
     }
 
-    /// In millimetres of the frontal film.
-    pub fn mm(self, scale: f64) -> f64 {
+    /// In the unit of the frontal film.
+    pub fn on_frontal(self, scale: f64) -> f64 {
         match self {
-            Self::Film(sd) => sd * scale,
-            Self::Millimetres(sd) => sd,
+            Self::Lateral(sd) => sd * scale,
+            Self::Frontal(sd) => sd,
         }
     }
+}
+
+/// Coefficients of the heights that the films leave free; each with those before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Free {
+    /// The height as such.
+    Offset = 1,
+    /// The rate up the lateral film.
+    Scale = 2,
+    /// The rate to the front.
+    Turn = 3,
 }
 
 /// Least squares over the heights.
@@ -121,7 +134,7 @@ impl FilmAlignment {
     pub const TURN_SD: Angle = Angle::from_deg(2.0);
 
     /// Of a lateral film whose corners have this deviation, to a frontal film on which vertebrae have these heights; `frontal_has_scale`
-    /// says whether they are millimetres. `None` unless both films show two vertebrae at different heights.
+    /// says whether they are millimetres. `None` where fewer than two vertebrae are on both films, or they do not give a positive scale.
     pub(super) fn of(
         lateral: &LateralOutline,
         corner: LateralSd,
@@ -135,19 +148,19 @@ impl FilmAlignment {
         let pairs: Vec<HeightPair> = lateral.vertebrae.iter().filter_map(pair).collect();
         let start = first_scale(&pairs)?;
         let simultaneous = lateral.simultaneous;
-        let columns = match (simultaneous, frontal_has_scale && lateral.has_spacing) {
-            (true, true) => 1,
-            (true, false) => 2,
-            (false, _) => 3,
+        let free = match (simultaneous, frontal_has_scale && lateral.has_spacing) {
+            (true, true) => Free::Offset,
+            (true, false) => Free::Scale,
+            (false, _) => Free::Turn,
         };
-        let scale = if columns == 1 { 1.0 } else { start };
-        let first = fit(&pairs, columns, scale, 1.0)?;
+        let scale = if free == Free::Offset { 1.0 } else { start };
+        let first = fit(&pairs, free, scale, 1.0)?;
         // Differences beyond the noise are taken as further noise.
         let estimated = if simultaneous { 1 } else { 3 };
         let freedom = pairs.len().saturating_sub(estimated).max(1) as f64;
         let squares = first.residuals_mm.iter().zip(&first.sds_mm);
         let excess = (squares.map(|(r, sd)| (r / sd).powi(2)).sum::<f64>() / freedom).max(1.0);
-        let found = fit(&pairs, columns, first.scale, excess.sqrt())?;
+        let found = fit(&pairs, free, first.scale, excess.sqrt())?;
         let mean_square = |all: &[f64]| all.iter().map(|mm| mm * mm).sum::<f64>();
         Some(Self {
             simultaneous,
@@ -200,30 +213,32 @@ impl FilmAlignment {
 /// From the highest and the lowest vertebra.
 fn first_scale(pairs: &[HeightPair]) -> Option<f64> {
     let (first, last) = (pairs.first()?, pairs.last()?);
-    let scale = (last.frontal.mm - first.frontal.mm) / (last.lateral.z_mm - first.lateral.z_mm);
+    let scale =
+        (last.frontal.height - first.frontal.height) / (last.lateral.z_mm - first.lateral.z_mm);
     (pairs.len() > 1 && scale.is_finite() && scale > 0.0).then_some(scale)
 }
 
-/// Weighted by the noise times `excess`. Columns: the height as such, up and to the front; a known scale leaves the first one free.
-fn fit(pairs: &[HeightPair], columns: usize, scale: f64, excess: f64) -> Option<Fit> {
+/// Weighted by the noise times the factor `excess`. `scale` is the known one, or an estimate where it is free.
+fn fit(pairs: &[HeightPair], free: Free, scale: f64, excess: f64) -> Option<Fit> {
     let n = pairs.len();
+    let columns = free as usize;
     let sds_mm: Vec<f64> =
-        pairs.iter().map(|pair| pair.frontal.sd_mm.hypot(pair.lateral_sd.mm(scale))).collect();
+        pairs.iter().map(|pair| pair.frontal.sd.hypot(pair.lateral_sd.on_frontal(scale))).collect();
     let mean = |of: &dyn Fn(&HeightPair) -> f64| pairs.iter().map(of).sum::<f64>() / n as f64;
     let middle = Frontal::new(mean(&|p| p.lateral.y_mm), mean(&|p| p.lateral.z_mm));
-    let middle_mm = mean(&|p| p.frontal.mm);
+    let middle_mm = mean(&|p| p.frontal.height);
     let mut rows = DMatrix::zeros(n + 1, columns);
     let mut right = DVector::zeros(n + 1);
     for (i, (pair, sd_mm)) in pairs.iter().zip(&sds_mm).enumerate() {
         let lateral = pair.lateral - middle;
         let all = [1.0, lateral.z_mm, lateral.y_mm];
-        let known_mm = if columns == 1 { scale * lateral.z_mm } else { 0.0 };
-        right[i] = (pair.frontal.mm - middle_mm - known_mm) / (sd_mm * excess);
+        let known_mm = if free == Free::Offset { scale * lateral.z_mm } else { 0.0 };
+        right[i] = (pair.frontal.height - middle_mm - known_mm) / (sd_mm * excess);
         for (column, value) in all.into_iter().take(columns).enumerate() {
             rows[(i, column)] = value / (sd_mm * excess);
         }
     }
-    if columns == 3 {
+    if free == Free::Turn {
         rows[(n, 2)] = 1.0 / (scale * FilmAlignment::TURN_SD.rad());
     }
     let inverse = (rows.transpose() * &rows).try_inverse()?;
@@ -238,11 +253,11 @@ fn fit(pairs: &[HeightPair], columns: usize, scale: f64, excess: f64) -> Option<
         coefficients: Vector3::new(solution[0], up, front),
         covariance: Matrix3::from_fn(padded),
     };
-    if columns == 1 {
+    if free == Free::Offset {
         let (covariance, heights) = (Matrix2::zeros(), heights(scale, 0.0));
         return Some(Fit { scale, turn: 0.0, covariance, residuals_mm, sds_mm, heights });
     }
-    let (up, front) = (solution[1], if columns == 3 { solution[2] } else { 0.0 });
+    let (up, front) = (solution[1], if free == Free::Turn { solution[2] } else { 0.0 });
     let scale = up.hypot(front);
     let mut covariance = Matrix2::zeros();
     // Rates of the logarithm of the scale and of the turn with both slopes.

@@ -98,8 +98,8 @@ fn erect_marks(
     let placed: Vec<_> = readings.into_iter().map(|reading| reading.vertebrae).collect();
     let marks = average(&placed).into_iter().filter_map(|(level, (placement, _))| {
         let [width, height] = mean_shape(bodies, level)?;
-        let [_, sd_mm] = crossing_sd(corner_sd, width, height);
-        Some((level, FrontalHeight { mm: placement.location.z_mm, sd_mm }))
+        let [_, sd] = crossing_sd(corner_sd, width, height);
+        Some((level, FrontalHeight { height: placement.location.z_mm, sd }))
     });
     Ok(marks.collect())
 }
@@ -112,7 +112,7 @@ fn row(
     corner: LateralSd,
 ) -> HeightLine {
     let [height, alignment_sd] = alignment.height_mm(side.location);
-    let sd = alignment_sd.hypot(corner.upwards(side).mm(alignment.scale));
+    let sd = alignment_sd.hypot(corner.upwards(side).on_frontal(alignment.scale));
     let ends = [0.0, f64::from(image.columns.saturating_sub(1))].map(|column_px| {
         let row_px = image.pixel(Frontal::new(0.0, height)).row_px;
         Pixel::new(column_px, row_px)
@@ -130,12 +130,12 @@ fn line_on_lateral(
     let image = &lateral.image;
     let at = |column_px: f64| {
         let front = image.frontal(Pixel::new(column_px, 0.0)).y_mm;
-        alignment.place_at(mark.mm, front)
+        alignment.place_at(mark.height, front)
     };
     let last = f64::from(image.columns.saturating_sub(1));
     let ends = [0.0, last].map(|column_px| image.pixel(at(column_px).0));
     let (_, alignment_sd) = at(0.5 * last);
-    let sd = alignment_sd.hypot(mark.sd_mm / alignment.scale);
+    let sd = alignment_sd.hypot(mark.sd / alignment.scale);
     HeightLine { level, ends, sd_px: sd / row_size(image) }
 }
 

@@ -114,14 +114,14 @@ impl SpatialOutline {
         let marks = frontal_marks(film, outline)?;
         let height = |level: Level| {
             let mark = marks.get(&level)?;
-            Some(FrontalHeight { mm: mark.location_mm.z_mm, sd_mm: mark.location_sd_mm[1] })
+            Some(FrontalHeight { height: mark.location_mm.z_mm, sd: mark.location_sd_mm[1] })
         };
         let corner = LateralSd::of(lateral, Noise::ONE_READING.corner_mm());
         let has_scale = outline.scale.has_millimetres();
         let Some(alignment) = FilmAlignment::of(lateral, corner, has_scale, height) else {
             return Ok(None);
         };
-        let corner_sd_mm = corner.mm(alignment.scale);
+        let corner_sd_mm = corner.on_frontal(alignment.scale);
         let both: Vec<(FrontalMark, LateralVertebra)> = lateral
             .vertebrae
             .iter()
