@@ -263,6 +263,27 @@ fn a_film_exposed_together_gives_the_pitch_without_an_estimate() {
     assert_eq!(found.alignment.turn, Angle::ZERO);
 }
 
+#[test]
+fn heights_of_few_vertebrae_differ_by_their_noise() {
+    // Oracle: squares over their degrees of freedom are unbiased, here of five heights less an offset and a scale.
+    let phantoms = 200;
+    let squares = (0..phantoms).map(|seed| {
+        let setup = SpaceSetup { corner_sd_mm: 0.5, seed, ..SpaceSetup::default() };
+        let mut phantom = generate_in_space(&setup);
+        let lateral = phantom.case.lateral.as_mut().expect("both films");
+        lateral.simultaneous = true;
+        lateral.image.spacing = None;
+        for reading in &mut lateral.readings {
+            reading.vertebrae.retain(|level, _| (Level::T12..=Level::T8).contains(level));
+        }
+        let found = measured(&phantom).0.alignment;
+        assert_eq!(found.vertebrae, 5);
+        (found.residual_mm / found.expected_mm).powi(2)
+    });
+    let mean = squares.sum::<f64>() / phantoms as f64;
+    assert!((0.85..1.15).contains(&mean), "{mean} of the expected square");
+}
+
 /// The analysis of a phantom with noise, and 150 replicates of it.
 fn replicated() -> (Analysis, Uncertainty) {
     let setup = SpaceSetup { corner_sd_mm: 0.5, ..SpaceSetup::default() };

@@ -156,8 +156,7 @@ impl FilmAlignment {
         let scale = if free == Free::Offset { 1.0 } else { start };
         let first = fit(&pairs, free, scale, 1.0)?;
         // Differences beyond the noise are taken as further noise.
-        let estimated = if simultaneous { 1 } else { 3 };
-        let freedom = pairs.len().saturating_sub(estimated).max(1) as f64;
+        let freedom = pairs.len().saturating_sub(free as usize).max(1) as f64;
         let squares = first.residuals_mm.iter().zip(&first.sds_mm);
         let excess = (squares.map(|(r, sd)| (r / sd).powi(2)).sum::<f64>() / freedom).max(1.0);
         let found = fit(&pairs, free, first.scale, excess.sqrt())?;
