@@ -102,9 +102,7 @@ export class App {
   /** Adds an account to the store. */
   async addAccount(name: string, role: string): Promise<void> {
     const words = ["account", "add", name, "--role", role, "--password-stdin", this.store];
-    const run = promisify(execFile)(PROGRAM, words);
-    run.child.stdin?.end(`${PASSWORD}\n`);
-    await run;
+    await runWith(`${PASSWORD}\n`, words);
   }
 
   /** Opens the app and signs in as an observer. */
@@ -124,8 +122,13 @@ export class App {
 }
 
 /** Runs a command of the program to its end, such as to make phantoms; returns its output. */
-export async function runProgram(...args: string[]): Promise<string> {
-  return (await promisify(execFile)(PROGRAM, args)).stdout;
+export const runProgram = (...args: string[]): Promise<string> => runWith("", args);
+
+/** Runs a command of the program on an input to its end; returns its output. */
+async function runWith(input: string, args: readonly string[]): Promise<string> {
+  const run = promisify(execFile)(PROGRAM, args);
+  run.child.stdin?.end(input);
+  return (await run).stdout;
 }
 
 async function newApp(): Promise<App> {
@@ -198,7 +201,7 @@ export async function signIn(page: Page, name: string): Promise<void> {
   await page.getByRole("button", { name: "Sign in" }).click();
 }
 
-/** Enters the patient's side of a film that is added, where its file does not have it. */
+/** Enters the patient's side of a new film if its file does not state it. */
 export async function enterSide(film: Locator): Promise<void> {
   const sides = film.getByRole("group", { name: "The patient's left is on the" });
   if (!(await sides.getByText("from the file").isVisible()))

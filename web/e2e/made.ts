@@ -1,7 +1,7 @@
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { postures } from "../src/shell/words";
+import { POSTURES } from "./postures";
 
 // Synthetic answers for page states that are hard to reach with the program.
 
@@ -48,7 +48,7 @@ export function study(id: string, more: Partial<Api<"StudySummary">> = {}): Api<
     role: "admin",
     status: "to_mark",
     status_text: "no film is marked",
-    films: postures.map((posture, index) => film(index + 1, posture)),
+    films: POSTURES.map((posture, index) => film(index + 1, posture)),
     curve: null,
     warnings: 0,
     contradictions: 0,
@@ -78,7 +78,7 @@ export function manyStudies(count: number): Api<"StudySummary">[] {
     const [status, status_text] = STATUSES[index % STATUSES.length] ?? STATUSES[0]!;
     const size_deg = 22 + ((index * 7.3) % 41);
     const isMeasured = ["modelled", "unsupported", "measured", "not_converged"].includes(status);
-    const filmed = index % 4 === 3 ? postures.slice(0, 3) : postures;
+    const filmed = index % 4 === 3 ? POSTURES.slice(0, 3) : POSTURES;
     return study(`S-${String(count - index).padStart(3, "0")}`, {
       label: LABELS[index % LABELS.length] ?? null,
       synthetic: index % 6 === 0,

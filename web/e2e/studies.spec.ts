@@ -4,11 +4,11 @@ import path from "node:path";
 
 import type { Page } from "@playwright/test";
 
-import { postures } from "../src/shell/words";
 import { enterSide, expect, expectAccessible, runProgram, shot, test, usePages } from "./app";
 import { startArchive } from "./archive";
 import { EVIL, expectHarmless } from "./hostile";
 import { answerWith, manyStudies, study } from "./made";
+import { POSTURES } from "./postures";
 import { requestsElsewhere } from "./wire";
 
 const CASE = "phantom-rod-01";
@@ -28,7 +28,7 @@ test.describe("with films of one phantom", () => {
   test.afterAll(() => rm(phantom, { recursive: true, force: true }));
 
   const films = (): string[] =>
-    postures.map((posture) => path.join(phantom, `${CASE}-${posture}.dcm`));
+    POSTURES.map((posture) => path.join(phantom, `${CASE}-${posture}.dcm`));
 
   test("five DICOM files and one invalid file give a study of five films", async ({
     app,
@@ -47,7 +47,7 @@ test.describe("with films of one phantom", () => {
     await refused.getByRole("button", { name: /remove/i }).click();
 
     // Values of the files are filled in; a missing side is not assumed.
-    for (const posture of postures) {
+    for (const posture of POSTURES) {
       const film = page.getByRole("article", { name: `${CASE}-${posture}.dcm` });
       await expect(film.getByLabel("Posture")).toHaveValue(posture);
       await enterSide(film);

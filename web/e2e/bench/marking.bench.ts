@@ -24,7 +24,8 @@ test("a dragged corner, and a killed program", async ({ app, page }) => {
 /** Records all levels through the interface from another reading. */
 async function markAll(page: Page, film: FilmPage): Promise<void> {
   const truth = await film.truth();
-  await film.record(LEVELS, (level, corner) => cornerOf(truth, level, corner));
+  const { revision } = await film.reading();
+  await film.record(LEVELS, (level, corner) => cornerOf(truth, level, corner), revision);
   await page.reload();
   await film.painted();
   await page.getByTestId("curve").waitFor();

@@ -30,6 +30,14 @@ const LARGE_CROSSHAIR_CSS = 40;
 const ZOOM = 1.25;
 const GREY_CSS = 12;
 
+/** Digits show and hide the layers over the film, in their order. */
+const LAYER_KEYS: Actions = Object.fromEntries(
+  LAYERS.map(({ name }, index) => [
+    index + 1,
+    () => void (layers.shown[name] = !layers.shown[name]),
+  ]),
+);
+
 /** Runs the action of a key; returns whether the key has one. */
 export function onKey(event: KeyboardEvent, targets: KeyTargets): boolean {
   const { viewer, marking, drawing } = targets;
@@ -85,12 +93,6 @@ function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
     viewer.tool = viewer.tool === tool ? "mark" : tool;
   };
   const measures = targets.canDraw ? { d: toggle("length"), g: toggle("angle") } : {};
-  const ofLayers: Actions = Object.fromEntries(
-    LAYERS.map(({ name }, index) => [
-      index + 1,
-      () => void (layers.shown[name] = !layers.shown[name]),
-    ]),
-  );
   return {
     "+": () => viewer.zoomBy(ZOOM),
     "=": () => viewer.zoomBy(ZOOM),
@@ -102,7 +104,7 @@ function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
     q: () => viewer.turn(),
     m: () => viewer.mirror(),
     ...measures,
-    ...ofLayers,
+    ...LAYER_KEYS,
     ...targets.more,
     i: () => targets.invert(),
     l: () => (viewer.loupe = !viewer.loupe),

@@ -116,11 +116,11 @@ export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | n
   return corner ? filmPoint(corner.px) : null;
 }
 
-/** The corners of a level. */
+/** These corners of a level, placed or not. */
 const cornersAt = (level: string, corners: readonly Corner[]): Landmark[] =>
   corners.map((corner) => ({ kind: "corner", level, corner }));
 
-/** The walls or the pedicles of a level. */
+/** Both walls or both pedicles of a level, placed or not. */
 const sidesAt = (level: string, kind: "wall" | "pedicle"): Landmark[] =>
   SIDES.map((side) => ({ kind, level, side }));
 

@@ -121,9 +121,9 @@ export function dragged(
 }
 
 /** Vertebrae in the picture, and how sure their levels are. */
-export interface Detected extends Omit<Api<"DetectionView">, "refused"> {
-  trouble: Trouble | null;
-}
+export type Detected = Readonly<
+  Omit<Api<"DetectionView">, "refused"> & { trouble: Trouble | null }
+>;
 
 export const UNSEEN: Detected = {
   proposals: [],

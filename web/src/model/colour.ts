@@ -20,11 +20,12 @@ export function themeColour(token: string): string {
   return colour;
 }
 
-/** Colours of the theme that a picture in 3D needs; outlines and joints have the one of what is measured. */
+/** Colours of the theme that a picture in 3D needs. */
 export const palette = () => ({
   bone: themeColour("--bone"),
   boneSimulated: themeColour("--bone-simulated"),
   boneDoubtful: themeColour("--bone-doubtful"),
+  /** Outlines and joints. */
   measured: themeColour("--measured"),
   contradiction: themeColour("--contradiction"),
   force: themeColour("--force"),

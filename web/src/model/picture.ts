@@ -5,8 +5,8 @@ import type { LineDrawn, Picture } from "./scene/stage";
 import type { Point } from "./shapes";
 import { lineToken } from "./words";
 
-/** A picture of one spine, without its shape. */
-export const ALONE: Omit<Picture, "main"> = {
+/** A picture without parts beside its main spine. */
+export const BARE: Omit<Picture, "main"> = {
   layout: "one",
   other: null,
   discs: null,
@@ -23,7 +23,7 @@ export function pictureOf(choice: Choice, load: HandLoad): Picture {
   const { line, view } = choice;
   const stops = stiffnessStops();
   const common = {
-    ...ALONE,
+    ...BARE,
     discs:
       line && hasStiffness(line)
         ? line.joints.map((joint) => onScale(stops, joint.relative))

@@ -93,6 +93,9 @@ export const statusWord = (status: Api<"StudyStatus">): string => STATUSES[statu
 
 export const severityWord = (severity: Api<"Severity">): string => SEVERITIES[severity];
 
+export const reportNoticeWord = (kind: Api<"ReportNoticeKind">): string =>
+  kind === "banner" ? "Read first" : severityWord(kind);
+
 export const lineWord = (line: Api<"LineKindName">): string => LINES[line];
 
 /** Such as `1 film` and `3 films`. */

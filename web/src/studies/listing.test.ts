@@ -56,6 +56,7 @@ describe("the list of studies", () => {
   it("reports films without a scale", () => {
     const film = (plane: "patient" | "pixels" | "unknown") =>
       ({ image: { plane } }) as Study["films"][number];
+    expect(scaleTrouble(study("A", { films: [] }))).toBeNull();
     expect(scaleTrouble(study("A", { films: [film("patient")] }))).toBeNull();
     expect(scaleTrouble(study("A", { films: [film("patient"), film("pixels")] }))).toBe(
       "no scale on 1 of 2: angles only",

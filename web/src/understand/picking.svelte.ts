@@ -82,7 +82,8 @@ export class Picking {
     const change = { expected_revision: view.revision, reset: false, options };
     return this.attempt.run(async () => {
       this.#view = await changeOptions(this.study, change).catch(async (refusal: unknown) => {
-        // Somebody else may have changed the options.
+        // Shown at once: the options are read again, as somebody else may have changed them.
+        this.attempt.error = refusal;
         this.#view = await readOptions(this.study).catch(() => this.#view);
         throw refusal;
       });
