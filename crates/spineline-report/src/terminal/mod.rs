@@ -82,10 +82,10 @@ pub fn notice(notice: &Notice, width: usize) -> String {
     hanging(&words, width)
 }
 
-/// Running text in lines of at most `width` columns, each after the indent, which does not count.
+/// Running text in lines of at most `width` columns, each of which begins with the indent.
 #[must_use]
 pub fn paragraph(text: &str, width: usize, indent: &str) -> String {
-    let lines = wrapped(&plain(text), width, false);
+    let lines = wrapped(&plain(text), width.saturating_sub(indent.len()), false);
     lines.iter().map(|line| format!("{indent}{line}\n")).collect()
 }
 
@@ -240,6 +240,12 @@ mod tests {
         );
         let plain = Notice::new(NoticeKind::Note, "a, b");
         assert_eq!(notice(&plain, 60), "Note: a, b\n");
+    }
+
+    #[test]
+    fn the_indent_of_a_paragraph_counts_in_its_width() {
+        assert_eq!(paragraph("left and right", 9, ""), "left and\nright\n");
+        assert_eq!(paragraph("left and right", 9, "  "), "  left\n  and\n  right\n");
     }
 
     #[test]

@@ -236,11 +236,11 @@ fn report(path: &Path, verification: &Verification) -> Result<Ending, Failure> {
         text.line(format!("  end of the log: {head}"));
     }
     for finding in &verification.findings {
-        text.text(&terminal::paragraph(&format!("! {finding}"), width() - 2, "  "));
+        text.text(&terminal::paragraph(&format!("! {finding}"), width(), "  "));
     }
     if verification.is_clean() {
         let clean = "no damage found. Keep the end of the log elsewhere: with `--head`, `verify` also detects a store that was rewritten as a whole.";
-        text.text(&terminal::paragraph(clean, width() - 2, "  "));
+        text.text(&terminal::paragraph(clean, width(), "  "));
         return print(text);
     }
     print(text)?;
