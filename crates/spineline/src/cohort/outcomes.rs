@@ -65,14 +65,30 @@ pub struct LineOutcomes {
 /// The level of the test, in words.
 const LEVEL_OF_TEST: &str = "level of the test 5 %";
 
-/// Least and most percent of the bends in which the test rejects a true line of synthetic patients (`validation/claims.md`); `None` where
-/// this was not counted.
-const fn true_line_rejected_percent(kind: LineKind) -> Option<[u8; 2]> {
-    match kind {
-        LineKind::Inflection => Some([1, 4]),
-        LineKind::Iliac => Some([6, 12]),
-        LineKind::Given | LineKind::Estimated => None,
+/// Least and most percent of synthetic patients and of their bends in which the test rejects a true line (`validation/claims.md`).
+#[derive(Clone, Copy)]
+struct TrueLineRejected {
+    patients: [u8; 2],
+    bends: [u8; 2],
+}
+
+impl TrueLineRejected {
+    /// `None` where this was not counted.
+    const fn of(kind: LineKind) -> Option<Self> {
+        match kind {
+            LineKind::Inflection => Some(Self { patients: [0, 4], bends: [1, 4] }),
+            LineKind::Iliac => Some(Self { patients: [3, 11], bends: [6, 12] }),
+            LineKind::Given | LineKind::Estimated => None,
+        }
     }
+}
+
+/// How often the test rejects a true line.
+fn size_of_test(of: &str, percent: Option<[u8; 2]>) -> String {
+    percent.map_or_else(
+        || LEVEL_OF_TEST.to_owned(),
+        |[low, high]| format!("on synthetic {of} a true line is rejected in {low} to {high} %"),
+    )
 }
 
 impl LineOutcomes {
@@ -111,30 +127,27 @@ impl LineOutcomes {
                 others.trim_start_matches(", ")
             )];
         }
+        let sizes = TrueLineRejected::of(*kind);
         let mut all = vec![format!(
-            "A single force along the {kind} is rejected in {} of {} (kept in {}{others}); {LEVEL_OF_TEST}.",
+            "A single force along the {kind} is rejected in {} of {} (kept in {}{others}); {}.",
             patients.rejected,
             counted_tested(patients.tested(), "patient"),
             patients.kept,
+            size_of_test("patients", sizes.map(|sizes| sizes.patients)),
         )];
         let claim = match kind {
             LineKind::Inflection => "runs through the inflections",
             LineKind::Iliac => "is parallel to the iliac line",
             LineKind::Given | LineKind::Estimated => "is the given line",
         };
-        let size = true_line_rejected_percent(*kind).map_or_else(
-            || LEVEL_OF_TEST.to_owned(),
-            |[low, high]| {
-                format!("on synthetic patients the test rejects a true line in {low} to {high} % of the bends")
-            },
-        );
         if bends.tested() > 0 {
             all.push(format!(
-                "That the line of best fit to the rotations {claim} is rejected in {} of {} one by one (kept in {}{}); {size}.",
+                "That the line of best fit to the rotations {claim} is rejected in {} of {} one by one (kept in {}{}); {}.",
                 bends.rejected,
                 counted_tested(bends.tested(), "bend"),
                 bends.kept,
-                bends.others()
+                bends.others(),
+                size_of_test("bends", sizes.map(|sizes| sizes.bends)),
             ));
         }
         all
