@@ -68,13 +68,9 @@ async fn wrong_method() -> Failure {
 
 /// A panic message may quote the request, so the answer does not contain it.
 fn panicked(_: Box<dyn Any + Send>) -> Response {
-    Failure::new(
-        StatusCode::INTERNAL_SERVER_ERROR,
-        "internal",
-        "internal error: the program has a bug",
-    )
-    .help("this step was not saved; the terminal shows where the error occurred")
-    .into_response()
+    Failure::internal("internal error: the program has a bug")
+        .help("this step was not saved; the terminal shows where the error occurred")
+        .into_response()
 }
 
 #[cfg(test)]

@@ -172,7 +172,7 @@ pub async fn computed<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'stat
     });
     tokio::task::spawn_blocking(task);
     result.await.map_err(|_| {
-        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "the computation failed")
+        Failure::internal("the computation failed")
             .help("the program has a bug: please report it with the case file")
     })
 }

@@ -34,10 +34,10 @@ fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
     let compared = analysis.comparison();
     let mut all = Vec::new();
     for (film, bands) in compared.films.iter().zip(&bands.films) {
-        let outline = analysis.movement.film(film.posture).map(|film| &film.outline);
+        let Some(measured) = analysis.movement.film(film.posture) else { continue };
         for (by, band) in &bands.bands {
-            let Some((shape, outline)) = compared.shape(film, *by).zip(outline) else { continue };
-            let shown = outline.measured().skip(1).zip(&shape.location_errors_mm);
+            let Some(shape) = compared.shape(film, *by) else { continue };
+            let shown = measured.outline.measured().skip(1).zip(&shape.location_errors_mm);
             all.extend(shown.map(|((i, vertebra), &error_mm)| Predicted {
                 posture: film.posture,
                 role: film.role,

@@ -1,4 +1,11 @@
-import { CORNERS, landmarksOf, placeOf, type Landmark, type ReadingView } from "./landmarks";
+import {
+  CORNERS,
+  cornersAt,
+  landmarksOf,
+  placeOf,
+  type Landmark,
+  type ReadingView,
+} from "./landmarks";
 import { proposedPlace, type Proposal } from "./proposals";
 import { cssOf, type CssPoint, type FilmPoint, type Viewport } from "./viewport";
 
@@ -26,9 +33,7 @@ export function proposedAt(
   at: CssPoint,
   reach: number,
 ): Landmark | null {
-  const candidates = proposals.flatMap(({ level }) =>
-    CORNERS.map((corner): Landmark => ({ kind: "corner", level, corner })),
-  );
+  const candidates = proposals.flatMap(({ level }) => cornersAt(level, CORNERS));
   return nearest(candidates, at, reach, (landmark) => {
     const place = placeOfProposed(proposals, landmark);
     return place && cssOf(view, place);

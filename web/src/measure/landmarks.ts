@@ -117,7 +117,7 @@ export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | n
 }
 
 /** These corners of a level, placed or not. */
-const cornersAt = (level: string, corners: readonly Corner[]): Landmark[] =>
+export const cornersAt = (level: string, corners: readonly Corner[]): Landmark[] =>
   corners.map((corner) => ({ kind: "corner", level, corner }));
 
 /** Both walls or both pedicles of a level, placed or not. */
@@ -128,11 +128,11 @@ const BOTH_CRESTS = SIDES.map((side): Landmark => ({ kind: "crest", side }));
 
 /** All placed landmarks in cranial order, in which the keys go through them. */
 export function landmarksOf(reading: ReadingView): Landmark[] {
-  const vertebrae = reading.vertebrae.flatMap(({ level, corners, axis }): Landmark[] => [
+  const vertebrae = reading.vertebrae.flatMap(({ level, corners }): Landmark[] => [
     ...(corners.length === 0 ? sidesAt(level, "wall") : []),
     ...cornersAt(level, CORNERS),
     ...sidesAt(level, "pedicle"),
-    ...(axis ? [{ kind: "axis", level } as const] : []),
+    { kind: "axis", level },
   ]);
   return [...vertebrae, ...BOTH_CRESTS].filter((landmark) => placeOf(reading, landmark) !== null);
 }

@@ -67,7 +67,7 @@ impl Anatomy {
             .map(|(&level, corners)| Body::of(level, &corners.map(|p| image.frontal(p))))
             .collect();
         let crests = [film.iliac_crests.left, film.iliac_crests.right].map(|p| image.frontal(p));
-        let pelvis = (crests[0] + crests[1]) * 0.5;
+        let pelvis = film.iliac_crests.middle(image);
         let top = bodies.last().map_or(pelvis, |body| body.centre);
         let middle = [pelvis, top].map(|p| [p.y_mm as f32, p.z_mm as f32]);
         let mut anatomy = Self {

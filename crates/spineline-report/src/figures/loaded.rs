@@ -8,7 +8,7 @@ use spineline::response::{ActingKind, ActingLoad, Response, acting_loads, erect_
 use spineline::spatial::{Frontal, Vec3};
 
 use super::arrows::{arrow, bar, turning};
-use super::frontal::{Extent, VIEW, drawn, fit_in_row, frontal_panel};
+use super::frontal::{Extent, VIEW, drawn, fit_in_row, frontal_panel, gaps_px};
 use super::page::Page;
 use super::panel::{HeadingKind, Panel};
 use super::style::{
@@ -116,7 +116,8 @@ pub fn loaded_spine(input: &LoadedSpine<'_>) -> String {
     for extent in &mut extents {
         extent.z_mm = all.z_mm;
     }
-    let (px_per_mm, extents) = fit_in_row(extents, page.inner_px() - (84.0 + 84.0), TALL_PX);
+    let row_px = page.inner_px() - gaps_px(&[true, true]);
+    let (px_per_mm, extents) = fit_in_row(extents, row_px, TALL_PX);
     let base = input.levels[0];
     let panels = views.iter().zip(extents).map(|(&view, extent)| {
         let mut panel = frontal_panel(extent, px_per_mm, base);

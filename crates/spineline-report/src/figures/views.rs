@@ -5,7 +5,7 @@ use spineline::multibody::{BodySize, Deformed};
 use spineline::response::erect_shape;
 use spineline::spatial::{Angle, Frontal, Vec3};
 
-use super::frontal::{Extent, extent_words, fit_in_row, frontal_panel};
+use super::frontal::{Extent, extent_words, fit_in_row, frontal_panel, gaps_px};
 use super::page::Page;
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{GREY, Ink, posture_style};
@@ -76,7 +76,9 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
         // A frontal picture shows `-y` to the right.
         Extent::of(points.map(|&point| view.place(point)).map(|(x, z)| Frontal::new(-x, z)))
     });
-    let (px_per_mm, extents) = fit_in_row(extents, page.inner_px() - 84.0 - 2.0 * 18.0, TALL_PX);
+    // Only the first panel writes its vertical axis.
+    let row_px = page.inner_px() - gaps_px(&[true, false, false]);
+    let (px_per_mm, extents) = fit_in_row(extents, row_px, TALL_PX);
     let base = analysis.movement.levels().base();
     let panels = View::ALL.into_iter().zip(extents).enumerate().map(|(i, (view, extent))| {
         let mut panel = frontal_panel(extent, px_per_mm, base);

@@ -148,7 +148,8 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
     let interval =
         |group: usize| source.filter(|_| refusal(group).is_none())?.interval(model, group);
     let found: Vec<Option<String>> = (0..values.len()).map(interval).collect();
-    let words = source.filter(|_| found.iter().any(Option::is_some)).map_or("", Source::words);
+    let has_intervals = found.iter().any(Option::is_some);
+    let words = source.filter(|_| has_intervals).map_or("", Source::words);
     let one = |(group, (name, value)): (usize, (String, f64))| {
         let note = refusal(group).map(str::to_owned).or_else(|| found[group].clone());
         let note = note.map_or_else(String::new, |text| format!(" ({text})"));
@@ -156,7 +157,7 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
     };
     let all = model.groups.titles().zip(values).enumerate().map(one).collect::<Vec<_>>();
     let few = match source {
-        Some(Source::Replicates(replicates)) if words.is_empty() => replicates.few_words(),
+        Some(Source::Replicates(replicates)) if !has_intervals => replicates.few_words(),
         _ => None,
     };
     let few = few.map_or_else(String::new, |few| format!(" {few}"));

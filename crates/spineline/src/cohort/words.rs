@@ -174,12 +174,12 @@ impl LinesOverPatients {
 fn difference(test: &LinePairTest) -> String {
     let [first, second] = test.lines;
     let mean = test.comparison.mean_difference;
-    let (more, less) = if mean > 0.0 { (first, second) } else { (second, first) };
+    let (more, less, sign) = if mean > 0.0 { (first, second, 1.0) } else { (second, first, -1.0) };
     format!(
         "on {} the error of the {more} is {} mm larger than the error of the {less} ({})",
         films_words(test.role),
         fixed(mean.abs(), 1),
-        test.comparison.patients_words(mean.signum())
+        test.comparison.patients_words(sign)
     )
 }
 

@@ -2,7 +2,6 @@
 
 use std::time::SystemTime;
 
-use axum::http::StatusCode;
 use chrono::{DateTime, SecondsFormat, Utc};
 use spineline::analysis::{Analysis, Case};
 use spineline::uncertainty::LandmarkNoise;
@@ -72,9 +71,5 @@ pub fn provenance(analysis: &Analysis) -> Provenance {
 
 /// For a writer of this program that failed on its own results.
 pub fn internal(reason: &dyn std::fmt::Display) -> Failure {
-    Failure::new(
-        StatusCode::INTERNAL_SERVER_ERROR,
-        "internal",
-        format!("the file could not be written: {reason}"),
-    )
+    Failure::internal(format!("the file could not be written: {reason}"))
 }

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use spineline::response::{OtherLoads, PadEffect, PadTrial, try_pad};
@@ -147,10 +146,9 @@ fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
         effect
     };
     // A pool of the map alone: PDFs and demos use the shared one, and would wait for the whole map.
-    let pool = ThreadPoolBuilder::new().build().map_err(|error| {
-        let text = format!("threads could not be started: {error}");
-        Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", text)
-    })?;
+    let pool = ThreadPoolBuilder::new()
+        .build()
+        .map_err(|error| Failure::internal(format!("threads could not be started: {error}")))?;
     let found: Vec<_> = pool.install(|| {
         trials.par_iter().map(|&trial| (!job.is_cancelled()).then(|| effect_of(trial))).collect()
     });
