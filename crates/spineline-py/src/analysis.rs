@@ -355,7 +355,7 @@ impl Analysis {
         points: Vec<[f64; 2]>,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let posture = self.posture(film)?;
-        let marked = self.case.films.iter().find(|one| one.posture == posture.outline.posture);
+        let marked = self.case.film(posture.outline.posture);
         let frame = marked.and_then(|marked| FilmFrame::of(marked, &posture.outline));
         let Some(frame) = frame else { return Ok(None) };
         let pixels = points.into_iter().map(|[y_mm, z_mm]| {

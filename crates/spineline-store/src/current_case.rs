@@ -93,7 +93,7 @@ impl CurrentCase {
     /// Landmarks on one frontal film.
     #[must_use]
     pub fn landmarks(&self, posture: Posture) -> Option<&Film> {
-        self.case.films.iter().find(|film| film.posture == posture)
+        self.case.film(posture)
     }
 
     /// The frontal films that take part in the analysis.

@@ -200,8 +200,7 @@ pub(crate) fn set_option_of_text(
 #[must_use]
 pub fn missing_known_force(options: &AnalysisOptions, case: &Case) -> Option<Posture> {
     let Gauge::KnownForce { posture, .. } = options.gauge else { return None };
-    let has = case.films.iter().any(|film| film.posture == posture);
-    (!has).then_some(posture)
+    case.film(posture).is_none().then_some(posture)
 }
 
 #[cfg(test)]

@@ -218,7 +218,7 @@ fn mjcf_bodies_have_the_places_of_vertebrae_and_hinges_their_inferior_axes() {
 
 /// Pedicles of a vertebra that is turned: not in the middle between the sides.
 fn mark_pedicles(case: &mut Case, [left, right]: [f64; 2]) {
-    let film = case.films.iter_mut().find(|film| film.posture == Posture::Erect).expect("erect");
+    let film = case.film_mut(Posture::Erect).expect("erect");
     for landmark in film.landmarks.corner_readings_mut()[0].vertebrae.values_mut() {
         let corners = landmark.corners;
         let middle =

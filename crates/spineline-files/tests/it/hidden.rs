@@ -65,14 +65,13 @@ fn an_analysis_file_marks_interpolated_vertebrae_and_has_only_what_is_seen() {
 #[test]
 fn an_analysis_file_states_origins_where_a_person_did_not_click() {
     let mut case = whole();
-    for film in case.films.iter_mut().filter(|film| film.posture == Posture::LeftBending) {
-        let readings = film.landmarks.corner_readings_mut();
-        for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.iter_mut()) {
-            match landmark {
-                (Level::T8, landmark) => landmark.origins = Corners::all(Origin::Adjusted),
-                (Level::T9, landmark) => landmark.origins.superior_left = Origin::Adjusted,
-                _ => {}
-            }
+    let left = case.film_mut(Posture::LeftBending).expect("a bend");
+    let readings = left.landmarks.corner_readings_mut();
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.iter_mut()) {
+        match landmark {
+            (Level::T8, landmark) => landmark.origins = Corners::all(Origin::Adjusted),
+            (Level::T9, landmark) => landmark.origins.superior_left = Origin::Adjusted,
+            _ => {}
         }
     }
     let file = json(&analyzed(&case), &case);

@@ -25,7 +25,7 @@ fn partly_measured() -> String {
         generate_bends_in_space(&SpaceSetup { pedicles: true, ..SpaceSetup::default() }, &bending);
     let BentPhantom { erect, .. } = found.expect("a force bends it so far");
     let mut case = erect.case;
-    let film = case.films.iter_mut().find(|film| film.posture == Posture::Erect).expect("erect");
+    let film = case.film_mut(Posture::Erect).expect("erect");
     let readings = film.landmarks.corner_readings_mut();
     assert!(!readings.is_empty(), "phantoms have corners");
     for (level, landmark) in readings.iter_mut().flat_map(|reading| &mut reading.vertebrae) {
@@ -102,7 +102,7 @@ fn drawn_widths_mm(text: &str) -> Vec<f64> {
 #[test]
 fn widths_are_those_between_the_corners_of_the_erect_film_and_else_typical() {
     let case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
-    let erect = case.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
+    let erect = case.film(Posture::Erect).expect("erect");
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let wanted: Vec<f64> = body_widths(erect, analysis.movement.levels())
         .into_iter()

@@ -119,8 +119,7 @@ fn a_table_round_trips() {
         let file = read(&files[0].bytes);
         assert_eq!((file.format, file.films.len()), (LandmarkFormat::Csv, case.films.len()));
         for found in file.films {
-            let film = case.films.iter().find(|film| Some(film.posture) == found.posture);
-            let film = film.expect("a posture of the case");
+            let film = found.posture.and_then(|of| case.film(of)).expect("a posture of the case");
             let back = found.into_film(None, Some(image(film))).expect("sound marks");
             assert_eq!(apart(film, &back), 0.0);
             same_axes(film, &back);
@@ -138,8 +137,7 @@ fn point_lists_round_trip() {
             let mut file = read(bytes);
             assert_eq!((file.format, file.films.len()), (LandmarkFormat::Slicer, 1));
             let found = file.films.remove(0);
-            let film = case.films.iter().find(|film| Some(film.posture) == found.posture);
-            let film = film.expect("a posture of the case");
+            let film = found.posture.and_then(|of| case.film(of)).expect("a posture of the case");
             let back = found.into_film(None, Some(image(film))).expect("sound marks");
             assert!(apart(film, &back) < 1e-9);
         }
@@ -358,7 +356,7 @@ pub fn read_back(case: &Case, target: LandmarkTarget<'_>) -> Vec<Film> {
     for file in export_landmarks(case, None, target).expect("corners") {
         for found in read(&file.bytes).films {
             let posture = found.posture.expect("our own files name the film");
-            let film = case.films.iter().find(|film| film.posture == posture).expect("of the case");
+            let film = case.film(posture).expect("of the case");
             let found = found.into_film(None, Some(image(film))).expect("sound marks");
             match films.get_mut(&posture).map(|film| &mut film.landmarks) {
                 None => drop(films.insert(posture, found)),
@@ -395,8 +393,7 @@ fn annotations_and_keypoints_round_trip_with_confidences() {
                 let back = read_back(&case, target);
                 assert_eq!(back.len(), case.films.len());
                 for film in &back {
-                    let original = case.films.iter().find(|one| one.posture == film.posture);
-                    let original = original.expect("of the case");
+                    let original = case.film(film.posture).expect("of the case");
                     assert!(apart(original, film) < 1e-9);
                     assert_eq!(confidences(original), confidences(film));
                 }

@@ -68,8 +68,8 @@ fn every_format_keeps_origins() {
         let back = read_back(&case, target);
         assert_eq!(back.len(), case.films.len());
         for film in &back {
-            let original = case.films.iter().find(|one| one.posture == film.posture);
-            let [was, is] = [original.expect("of the case"), film].map(landmarks);
+            let original = case.film(film.posture).expect("of the case");
+            let [was, is] = [original, film].map(landmarks);
             assert!(was.iter().map(|one| one.origins).eq(is.iter().map(|one| one.origins)));
             if target == LandmarkTarget::Csv {
                 assert_eq!(was, is, "a table keeps walls and deviations too");

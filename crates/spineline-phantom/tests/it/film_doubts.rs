@@ -27,7 +27,7 @@ fn codes(case: &Case) -> Vec<&'static str> {
 }
 
 fn film_mut(case: &mut Case, posture: Posture) -> &mut Film {
-    case.films.iter_mut().find(|film| film.posture == posture).expect("all films")
+    case.film_mut(posture).expect("all films")
 }
 
 /// The film as marked by someone who takes the picture for its mirror image.

@@ -35,11 +35,9 @@ fn said(analysis: &Analysis) -> String {
 fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
     let phantom = exact(2, Scenario::Rod);
     let mut other = phantom.clone();
-    let [own, theirs] = [&phantom, &exact(2, Scenario::Bend)].map(|p| {
-        let right = |film: &spineline::measure::Film| film.posture == Posture::RightBending;
-        p.case.films.iter().position(right).map(|i| (i, p.case.films[i].clone())).expect("a bend")
-    });
-    other.case.films[own.0] = theirs.1;
+    let bent = exact(2, Scenario::Bend).case;
+    let right = bent.film(Posture::RightBending).expect("a bend").clone();
+    *other.case.film_mut(Posture::RightBending).expect("a bend") = right;
     let [first, second] = [&phantom, &other].map(|p| analyzed(p).comparison().clone());
     let fits = |found: &LinesCompared, posture: Posture, kind: LineKind| -> Vec<f64> {
         let bend = found.left_out.iter().find(|bend| bend.posture == posture).expect("two bends");

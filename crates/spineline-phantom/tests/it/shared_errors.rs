@@ -52,8 +52,7 @@ impl Bent {
         let mut films = BTreeMap::from([(Posture::Erect, standing)]);
         let mut loads = BTreeMap::new();
         for posture in BENDS {
-            let bend = analysis.movement.films.iter().find(|one| one.outline.posture == posture);
-            let bend = bend.expect("a bend");
+            let bend = analysis.movement.film(posture).expect("a bend");
             let [caudal, cranial] = bend.inflection_points.expect("two inflections");
             let line = LineOfAction::through(caudal, cranial).expect("they lie apart");
             let load = Load::along(line, 0.0);

@@ -130,7 +130,7 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
         .films
         .iter()
         .filter_map(|p| {
-            let film = case.films.iter().find(|film| film.posture == p.outline.posture)?;
+            let film = case.film(p.outline.posture)?;
             Some((Displayed::of(film, &p.outline), p))
         })
         .collect();

@@ -58,7 +58,7 @@ fn against_mm(units: &[Unit; 3]) -> [f64; 2] {
 #[must_use]
 pub fn functional_unit(case: &Case, analysis: &Analysis) -> Option<String> {
     let film = |posture| {
-        let film = case.films.iter().find(|film| film.posture == posture)?;
+        let film = case.film(posture)?;
         Some(Displayed::of(film, &analysis.movement.film(posture)?.outline))
     };
     let [Some(left), Some(erect), Some(right)] = FILMS.map(film) else { return None };

@@ -86,8 +86,7 @@ fn a_doubted_film_and_a_shorter_chain_are_named() {
     let mut case = exact_rod(1);
     let landmarks = case.films[0].landmarks.clone();
     assert_eq!(case.films[0].posture, Posture::Erect);
-    let left = case.films.iter_mut().find(|film| film.posture == Posture::LeftBending);
-    left.expect("a bend").landmarks = landmarks;
+    case.film_mut(Posture::LeftBending).expect("a bend").landmarks = landmarks;
     for film in &mut case.films {
         let is_left = film.posture == Posture::LeftBending;
         let readings = film.landmarks.corner_readings_mut();

@@ -103,7 +103,7 @@ pub(super) fn is_read_once(films: &[FilmReadings]) -> bool {
 ///
 /// A vertebra with axial rotation looks narrower or wider by its depth: by 1 % at 20° where it is a tenth wider than deep.
 pub(super) fn widths_mm(case: &Case, erect: &Outline) -> Vec<Option<f64>> {
-    let film = case.films.iter().find(|film| film.posture == Posture::Erect);
+    let film = case.film(Posture::Erect);
     let widths = film.map(|film| body_widths(film, erect.levels())).unwrap_or_default();
     let per_mm = erect.scale.pixels_per_mm.unwrap_or(1.0);
     let own = |(vertebra, width): (&MeasuredVertebra, Option<f64>)| {

@@ -68,7 +68,7 @@ pub use standing::{AxialSource, PitchSource};
 pub use template::{ProfileVertebra, TemplateError};
 pub(crate) use verdict::listed;
 
-use crate::anatomy::named;
+use crate::anatomy::{Posture, named};
 use crate::measure::{Film, LateralFilm};
 
 named! {
@@ -142,5 +142,16 @@ impl Case {
     pub fn of_films(id: impl Into<String>, films: Vec<Film>) -> Self {
         let subject = Subject::default();
         Self { id: id.into(), synthetic: false, subject, films, lateral: None }
+    }
+
+    /// The frontal film of a posture, where the case has one.
+    #[must_use]
+    pub fn film(&self, posture: Posture) -> Option<&Film> {
+        self.films.iter().find(|film| film.posture == posture)
+    }
+
+    /// The same, to change it.
+    pub fn film_mut(&mut self, posture: Posture) -> Option<&mut Film> {
+        self.films.iter_mut().find(|film| film.posture == posture)
     }
 }

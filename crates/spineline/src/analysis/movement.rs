@@ -340,7 +340,7 @@ fn unloaded_spine(
     erect: &Outline,
     warnings: &mut Warnings,
 ) -> Result<UnloadedSpine, Error> {
-    let film = case.films.iter().find(|film| film.posture == Posture::Erect);
+    let film = case.film(Posture::Erect);
     let space = match film.zip(case.lateral.as_ref()) {
         Some((film, lateral)) => SpatialOutline::measure(film, erect, lateral, warnings)?,
         None => None,

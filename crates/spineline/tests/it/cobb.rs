@@ -33,7 +33,7 @@ fn endplate_deg(image: &ImageGeometry, landmark: &VertebraLandmarks, superior: b
 }
 
 fn cobb_by_corners(case: &Case, posture: Posture, ends: CobbEnds) -> f64 {
-    let film = case.films.iter().find(|film| film.posture == posture).expect("the film");
+    let film = case.film(posture).expect("the film");
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
         panic!("phantoms have corners")
     };

@@ -135,7 +135,7 @@ fn with_corner_moved(mut case: Case, level: Level, part: f64) -> Case {
 }
 
 fn erect(case: &Case) -> &Film {
-    case.films.iter().find(|film| film.posture == Posture::Erect).expect("every case has one")
+    case.film(Posture::Erect).expect("every case has one")
 }
 
 #[test]

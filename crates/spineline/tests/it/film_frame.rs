@@ -18,8 +18,7 @@ const ROUNDING_PX: f64 = 1e-9;
 fn film(subject: usize, readers: &Readers, spacing: Option<(f64, f64)>, flip: bool) -> Film {
     // Its bends are not looked at, so they are the quickest to make.
     let case = phantom(subject, Scenario::Bend, readers).case;
-    let mut film =
-        case.films.into_iter().find(|film| film.posture == Posture::Erect).expect("erect");
+    let mut film = case.film(Posture::Erect).expect("erect").clone();
     let (image, crests, _) = landmarks(&mut film);
     let old = image.spacing.expect("phantoms have a spacing");
     let (column_mm, row_mm) = spacing.unwrap_or((0.15, 0.15));
@@ -137,7 +136,7 @@ fn lines_end_on_the_edge_of_their_film() {
 fn the_angle_between_endplate_lines_is_the_cobb_angle() {
     let case = phantom(0, Scenario::Rod, &Readers::exact()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let film = case.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
+    let film = case.film(Posture::Erect).expect("erect");
     let outline = &analysis.movement.erect().outline;
     let frame = FilmFrame::of(film, outline).expect("a picture");
     for curve in &analysis.movement.clinical {

@@ -204,12 +204,7 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
         let statics =
             Statics::new(&analysis.movement.spine, library, &groups, logs, Support::Frontal);
         for found in fit.of_role(Role::HeldOut) {
-            let film = analysis
-                .movement
-                .films
-                .iter()
-                .find(|p| p.outline.posture == found.shape.posture)
-                .expect("the film was analysed");
+            let film = analysis.movement.film(found.shape.posture).expect("the film was analysed");
             let t2 = film.outline.vertebrae[14].location;
             let line = match load {
                 LoadShape::InflectionLine => {

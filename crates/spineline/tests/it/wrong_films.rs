@@ -101,7 +101,7 @@ fn a_film_that_a_person_compared_with_the_records_is_not_in_doubt() {
 fn a_bend_with_the_mirrored_erect_film_is_reported() {
     let mut case = exact_case(0);
     let erect = mirrored(&case);
-    let from = erect.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
+    let from = erect.film(Posture::Erect).expect("erect");
     film_mut(&mut case, Posture::RightBending).landmarks = from.landmarks.clone();
     // The picture is mirrored without notice: the sides and the side of the picture come from the other film.
     let film = film_mut(&mut case, Posture::RightBending);

@@ -343,7 +343,7 @@ fn notices_of(count: usize, change: impl Fn(&mut Case), fill: impl Fn(&mut Store
 
 /// One vertebra of the erect film's only reading.
 fn vertebra_mut(case: &mut Case, level: Level) -> &mut VertebraLandmarks {
-    let film = case.films.iter_mut().find(|film| film.posture == Posture::Erect).expect("erect");
+    let film = case.film_mut(Posture::Erect).expect("erect");
     let readings = film.landmarks.corner_readings_mut();
     readings[0].vertebrae.get_mut(&level).expect("all are marked")
 }

@@ -75,7 +75,7 @@ pub fn add_study(store: &mut Store, study: &str, case: &Case) -> Vec<(Posture, F
 /// A study whose films are read as in the case, all readings finished.
 pub fn add_read_study(store: &mut Store, study: &str, case: &Case) {
     for (posture, film) in add_study(store, study, case) {
-        let marked = case.films.iter().find(|film| film.posture == posture).expect("its film");
+        let marked = case.film(posture).expect("its film");
         let readings = marked.landmarks.corner_readings();
         assert!(!readings.is_empty(), "phantoms have corners");
         for reading in readings {
@@ -130,7 +130,7 @@ pub fn vertebra(level: Level, landmark: &VertebraLandmarks) -> Vec<Event> {
 
 /// The only reading of a film of a case.
 pub fn reading_of(case: &Case, posture: Posture) -> (&Film, &Reading<VertebraLandmarks>) {
-    let film = case.films.iter().find(|film| film.posture == posture).expect("its film");
+    let film = case.film(posture).expect("its film");
     (film, &film.landmarks.corner_readings()[0])
 }
 

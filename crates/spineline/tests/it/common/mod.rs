@@ -109,7 +109,7 @@ pub fn refused(case: &Case) -> Error {
 
 /// A film of a case.
 pub fn film_mut(case: &mut Case, posture: Posture) -> &mut Film {
-    case.films.iter_mut().find(|film| film.posture == posture).expect("the case has this film")
+    case.film_mut(posture).expect("the case has this film")
 }
 
 /// The warning of a code, about a film where one is given.
