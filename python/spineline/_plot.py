@@ -147,6 +147,9 @@ class Plot:
                 parameters = found["numbers"]["per_predicted_film"]
                 more = f" ({parameters} parameters per film)" if parameters > 1 else ""
                 bars.append((error, f"{_words(line)}{more}", _LINES.get(line, _OTHER_LINE)[0]))
+            if films in found["with_tilt_mm"]:
+                name = f"{_words(line)} with tilt of T2"
+                bars.append((found["with_tilt_mm"][films], name, _LINES.get(line, _OTHER_LINE)[0]))
         for name, by_films in compared["baselines_mm"].items():
             if films in by_films:
                 bars.append((by_films[films], _words(name), "#999999"))

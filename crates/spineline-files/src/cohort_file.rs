@@ -7,8 +7,8 @@ use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
 use spineline::anatomy::Level;
 use spineline::cohort::{
-    BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, ComparisonOutcome, DoubtedFilm,
-    ErrorKind, LineOutcomes, LinePairTest, MissingResult, OutcomeCounts, PairedComparison,
+    BaselineTest, ChainCount, Clustered, Cohort, ComparisonOutcome, DoubtedFilm, ErrorKind,
+    LineOutcomes, LinePairTest, MissingResult, OutcomeCounts, PairedComparison, PredictionErrors,
     RefusedCase, RoleErrors,
 };
 use spineline::evaluate::Baseline;
@@ -57,7 +57,9 @@ pub struct CohortFile {
     tests: Vec<TestRecord>,
     /// Predictions without mechanics, by pattern of joint rotations and role.
     baselines: Vec<BaselineRecord>,
-    /// Lines against them, by location error in mm, line minus baseline.
+    /// Lines from T2's location and tilt, by line and role; their distribution of rotations is the published or the given one.
+    lines_with_tilt: Vec<LineWithTiltRecord>,
+    /// Lines against baselines that know as much of T2, by location error in mm, line minus baseline.
     baseline_tests: Vec<BaselineTestRecord>,
     /// Other loads and bases against them, likewise; a separate family of tests.
     hypothesis_tests: Vec<BaselineTestRecord>,
@@ -198,6 +200,17 @@ struct BaselineRecord {
     location_mm: SampleRecord,
 }
 
+/// A line that predicts films from T2's location and tilt.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct LineWithTiltRecord {
+    line: LineKind,
+    /// `left_out_bend` or `held_out`.
+    role: FilmRole,
+    films: usize,
+    location_mm: SampleRecord,
+}
+
 /// A line, or another load and base, against a baseline, on the films that both predict.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -260,6 +273,7 @@ impl CohortFile {
             films_without_result: compared.missing.clone(),
             tests: compared.tests.iter().map(test).collect(),
             baselines: cohort.baselines.errors.iter().map(baseline).collect(),
+            lines_with_tilt: cohort.baselines.lines_with_tilt.iter().map(with_tilt).collect(),
             baseline_tests: cohort
                 .baselines
                 .tests
@@ -334,9 +348,18 @@ fn sample(values: &Clustered) -> SampleRecord {
     }
 }
 
-fn baseline(found: &BaselineErrors) -> BaselineRecord {
+fn with_tilt(found: &PredictionErrors<LineKind>) -> LineWithTiltRecord {
+    LineWithTiltRecord {
+        line: found.by,
+        role: found.role,
+        films: found.films,
+        location_mm: sample(&found.location_mm),
+    }
+}
+
+fn baseline(found: &PredictionErrors) -> BaselineRecord {
     BaselineRecord {
-        baseline: found.baseline,
+        baseline: found.by,
         role: found.role,
         films: found.films,
         location_mm: sample(&found.location_mm),

@@ -1,6 +1,6 @@
 //! Loads and bases other than the lines of action, fitted and left out, over one patient or several.
 
-use spineline::analysis::{Analysis, FilmRole};
+use spineline::analysis::{Analysis, FilmPredictor, FilmRole};
 use spineline::cohort::{BaselinesOverPatients, ComparisonOutcome};
 use spineline::evaluate::Baseline;
 use spineline::hypothesis::{Hypothesis, HypothesisComparison, HypothesisScores, Role, compare};
@@ -9,7 +9,7 @@ use spineline::number::{fixed, signed};
 use crate::document::{Section, Table};
 use crate::phrases::{difference_words, none};
 
-const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings the top near. With prior: the same with the most probable load for the location of the top and the distribution of joint rotations. With tilt: the same with the tilt of the top. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction (no equilibrium, or a shape beyond the human range of motion) and fits without a result.";
+const LEGEND: &str = "Mean location errors (mm) and rotation errors of the joints (°, root mean square). Fitted: both bends. Left out: a bend, by the stiffness of the other bend and the smallest load that brings the top near; with prior: by the most probable load for the location of the top and the distribution of joint rotations; with tilt: for its tilt too; load fitted: by the load of the whole shape. Held out: neutral and traction films. Counter-rotating: joints per bend that turn against the load. AICc, BIC: less the first row. Best: patients with no smaller left-out error, or AICc, by another load. No result: films and fits.";
 
 /// The hypotheses of one patient or several, each with whether the patient is synthetic; `None` if none was requested.
 ///
@@ -57,12 +57,12 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
     let against: Vec<Baseline> = Baseline::ALL.into_iter().filter(known).collect();
     let mut hypotheses: Vec<Hypothesis> = tests().map(|test| test.model).collect();
     hypotheses.dedup();
-    let best = baselines.best(role)?;
+    let best = baselines.best(role, false)?;
     let caption = format!("Loads and bases less predictions without mechanics, {role} (mm, 95 %)");
     let mut table = Table::of(caption, &hypotheses, |add| {
         add.words("Load and base", |hypothesis| hypothesis.to_string());
         for baseline in against {
-            add.words(baseline.to_string(), |hypothesis| {
+            add.words(FilmPredictor::Baseline(baseline).long_name(), |hypothesis| {
                 let found = tests().find(|t| t.model == **hypothesis && t.baseline == baseline);
                 found.map_or_else(none, |test| {
                     let mark = match test.outcome() {
@@ -76,8 +76,8 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
         }
     });
     table.note = format!(
-        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. Where the prediction knows the tilt of the top, the load does too; its distribution of rotations is the published one, or the given one. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
-        best.baseline,
+        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. Predictions with the tilt of the top are compared with loads that know it too, by the published or the given distribution of rotations. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
+        best.by,
         fixed(best.mean_mm(), 1)
     );
     (!hypotheses.is_empty()).then_some(table)
@@ -103,7 +103,8 @@ fn table(block: &HypothesisComparison, caption: String) -> Table {
         add.numbers("Counter-rotating", |one| number(one.against));
         add.numbers("AICc", |one| signed(one.aicc_difference, 0));
         add.numbers("BIC", |one| signed(one.bic_difference, 0));
-        add.numbers("Best", |one| format!("{}, {}", one.best_left_out, one.best_aicc));
-        add.numbers("Lost", |one| one.lost.to_string());
+        add.numbers("Best left out", |one| one.best_left_out.to_string());
+        add.numbers("Best AICc", |one| one.best_aicc.to_string());
+        add.numbers("No result", |one| one.lost.to_string());
     })
 }

@@ -13,7 +13,7 @@ use crate::table::Table;
 struct Predicted {
     posture: Posture,
     role: FilmRole,
-    method: &'static str,
+    method: String,
     level: Level,
     location: Frontal,
     error_mm: f64,
@@ -59,7 +59,11 @@ fn columns(add: &mut Columns<'_, PredictedRow<'_>>) {
         "`left_out_bend`: stiffness from the other bend; `held_out`: a neutral or traction film",
         |row| row.role.key(),
     );
-    add.text("method", "line of action, or prediction without mechanics", |row| row.method);
+    add.text(
+        "method",
+        "line of action, from T2's location or (`…_with_tilt`) its location and tilt, or prediction without mechanics",
+        |row| row.method.clone(),
+    );
     add.text("level", "vertebra", |row| row.level.to_string());
     add.number(
         "predicted_y",

@@ -42,7 +42,8 @@ pub(super) struct ComparisonRecord {
     verdict: Vec<String>,
 }
 
-/// A model beside the prediction without mechanics with the smallest error on the films of a role.
+/// A model beside the prediction without mechanics with the smallest error on the films of a role: of those that know T2's tilt, or of
+/// those that do not, each beside the models that know as much.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AgainstRecord {
@@ -65,6 +66,8 @@ struct LineRecord {
     numbers: NumbersRecord,
     /// By role (`fitted`, `left_out_bend`, `held_out`), over the films on which the line has a result.
     errors: BTreeMap<String, MeanErrors>,
+    /// Mean location error by role, over the films that the line predicts from T2's location and tilt.
+    with_tilt_mm: BTreeMap<String, f64>,
 }
 
 /// Numbers that a model takes from films.
@@ -91,6 +94,9 @@ struct FilmRecord {
     role: String,
     /// By line; `null` where it has no result.
     location_mm: BTreeMap<String, Option<f64>>,
+    /// By line, predicted from T2's location and tilt; empty for fitted films.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    with_tilt_mm: BTreeMap<String, f64>,
     /// Predictions without mechanics, by pattern of joint rotations; empty for fitted films.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     baselines: BTreeMap<String, BaselineRecord>,
@@ -181,13 +187,15 @@ impl ComparisonRecord {
 }
 
 fn baselines_mm(found: &LinesCompared) -> BTreeMap<String, BTreeMap<String, f64>> {
-    let by_role = |baseline| {
-        let errors = FilmRole::ALL.into_iter().filter_map(|role| {
-            Some((role.key().to_owned(), found.baseline_error_mm(baseline, role)?))
-        });
-        errors.collect()
-    };
-    Baseline::ALL.into_iter().map(|one| (one.key().to_owned(), by_role(one))).collect()
+    let of = |one: Baseline| (one.key().to_owned(), by_role(found, FilmPredictor::Baseline(one)));
+    Baseline::ALL.into_iter().map(of).collect()
+}
+
+/// Mean errors of a predictor by role.
+fn by_role(found: &LinesCompared, by: FilmPredictor) -> BTreeMap<String, f64> {
+    let errors = FilmRole::ALL.into_iter();
+    let errors = errors.filter_map(|role| Some((role.key().to_owned(), found.error_mm(by, role)?)));
+    errors.collect()
 }
 
 fn against_baselines(analysis: &Analysis) -> Vec<AgainstRecord> {
@@ -196,8 +204,8 @@ fn against_baselines(analysis: &Analysis) -> Vec<AgainstRecord> {
         test: &BaselineTest<M>,
         model: String,
     ) -> Option<AgainstRecord> {
-        let best = baselines.best(test.role)?;
-        (best.baseline == test.baseline).then(|| AgainstRecord {
+        let best = baselines.best(test.role, test.baseline.knows_tilt())?;
+        (best.by == test.baseline).then(|| AgainstRecord {
             model,
             role: test.role.key().to_owned(),
             baseline: test.baseline,
@@ -221,6 +229,7 @@ fn line(found: &LinesCompared, place: usize) -> (String, LineRecord) {
         fitted_to: line.target.key().to_owned(),
         numbers: NumbersRecord::new(&line.numbers),
         errors: errors.collect(),
+        with_tilt_mm: by_role(found, FilmPredictor::LineWithTilt(line.kind)),
     };
     (line.kind.key().to_owned(), record)
 }
@@ -243,16 +252,19 @@ fn film(
     found: &LinesCompared,
     levels: Levels,
 ) -> FilmRecord {
-    let band =
-        |(by, band): &(FilmPredictor, Band)| (by.key().to_owned(), BandRecord::new(band, levels));
+    let band = |(by, band): &(FilmPredictor, Band)| (by.key(), BandRecord::new(band, levels));
     let location_mm = found.lines.iter().zip(&film.simulations).map(|(line, simulation)| {
         let mm = simulation.as_ref().map(|found| found.shape.mean_location_error_mm());
         (line.kind.key().to_owned(), mm)
+    });
+    let with_tilt = found.lines.iter().zip(&film.with_tilt).filter_map(|(line, shape)| {
+        Some((line.kind.key().to_owned(), shape.as_ref()?.mean_location_error_mm()))
     });
     FilmRecord {
         posture: film.posture,
         role: film.role.key().to_owned(),
         location_mm: location_mm.collect(),
+        with_tilt_mm: with_tilt.collect(),
         baselines: film.baselines.iter().map(baseline).collect(),
         band_95: bands.bands.iter().map(band).collect(),
     }

@@ -51,8 +51,7 @@ fn left_out_bends_of_real_patients_have_the_errors_that_are_published() {
         (Baseline::Cubic, 2.6),
     ] {
         let mut errors = cohort.baselines.errors.iter();
-        let found =
-            errors.find(|one| one.baseline == baseline && one.role == FilmRole::LeftOutBend);
+        let found = errors.find(|one| one.by == baseline && one.role == FilmRole::LeftOutBend);
         near(baseline.key(), found.expect("predicted").mean_mm(), published_mm);
     }
     for (kind, published_mm) in [(LineKind::Iliac, 4.6), (LineKind::Estimated, 1.6)] {

@@ -42,7 +42,7 @@ fn a_patient_is_predicted_from_the_other_patients_alone() {
     let of = |role: FilmRole, films: &[Posture]| {
         let mut errors = cohort.baselines.errors.iter();
         let errors =
-            errors.find(|errors| errors.baseline == Baseline::OtherPatients && errors.role == role);
+            errors.find(|errors| errors.by == Baseline::OtherPatients && errors.role == role);
         let found = errors.expect("such films").location_mm;
         let expected = [0, 1].map(|patient: usize| {
             let (own, pattern) = (&both[patient], mean_bend(&both[1 - patient]));

@@ -3,13 +3,16 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{
-    Analysis, AnalysisOptions, FilmRole, Headline, LinesCompared, ModelsVerdict, analyze,
+    Analysis, AnalysisOptions, FilmPredictor, FilmRole, Headline, LinesCompared, ModelsVerdict,
+    analyze,
 };
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind, OutcomeCounts};
-use spineline::measure::FilmLandmarks;
+use spineline::hypothesis::{Hypothesis, LoadShape, Role};
+use spineline::measure::{Corners, FilmLandmarks, FilmLengthRule};
 use spineline::multibody::Support;
 use spineline::personalize::TestOutcome;
+use spineline::spatial::Pixel;
 use spineline_phantom::{Phantom, Readers, Scenario, generate};
 
 fn exact(index: usize, scenario: Scenario) -> Phantom {
@@ -127,6 +130,58 @@ fn a_line_without_a_result_takes_no_film_from_the_others() {
     let ranked = found.ranking().expect("one line predicts");
     assert_eq!((ranked.films.len(), ranked.best().0), (2, LineKind::Inflection));
     assert_eq!(ranked.lines.len(), 1);
+}
+
+/// Oracle: the general solver, which fits the same loads by other equations and seeks them from other starts.
+#[test]
+fn lines_with_the_tilt_of_the_top_agree_with_the_general_solver() {
+    let pairs = [
+        (LineKind::Inflection, LoadShape::InflectionLine),
+        (LineKind::Iliac, LoadShape::IliacLine),
+        (LineKind::Estimated, LoadShape::FreeLine),
+    ];
+    let options = AnalysisOptions {
+        hypotheses: pairs.map(|(_, load)| Hypothesis::of(load)).into(),
+        ..Default::default()
+    };
+    for (index, scenario) in [(0, Scenario::Rod), (3, Scenario::Pull), (5, Scenario::Spread)] {
+        let case = generate(index, scenario, &Readers::default(), 1).expect("a phantom").case;
+        let analysis = analyze(&case, &options).expect("a sound case");
+        for (kind, load) in pairs {
+            let by = FilmPredictor::LineWithTilt(kind);
+            let found = analysis.comparison().error_mm(by, FilmRole::LeftOutBend).expect("a line");
+            let fit = analysis.hypotheses.iter().find(|fit| fit.hypothesis.load == load);
+            let general = fit.expect("a fit").mean_location_error_mm(Role::LeftOutWithTilt);
+            let general = general.expect("bends");
+            assert!((found - general).abs() < 0.05, "{scenario}, {kind}: {found} {general} mm");
+        }
+    }
+}
+
+/// A free line with the tilt takes nothing else from a film that it predicts.
+#[test]
+fn a_free_line_with_the_tilt_sees_only_the_top_of_a_film() {
+    let phantom = exact(1, Scenario::Pull);
+    let mut other = phantom.clone();
+    let film = other.case.film_mut(Posture::Traction).expect("a traction film");
+    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { panic!("corners") };
+    let middle = readings[0].vertebrae.get_mut(&Level::T9).expect("T9");
+    let aside = |corner: Pixel| Pixel { column_px: corner.column_px + 30.0, ..corner };
+    middle.corners = Corners::from(middle.corners.points().map(aside));
+    let options = AnalysisOptions { film_lengths: FilmLengthRule::AsMarked, ..Default::default() };
+    let shapes = [&phantom, &other].map(|one| {
+        let analysis = analyze(&one.case, &options).expect("a sound case");
+        let compared = analysis.comparison();
+        let mut films = compared.films.iter();
+        let film = films.find(|film| film.posture == Posture::Traction).expect("a traction film");
+        let by = FilmPredictor::LineWithTilt(LineKind::Estimated);
+        compared.shape(film, by).expect("a prediction").clone()
+    });
+    // The search starts from the force for the location, which the rotations of the film gave its line.
+    for (a, b) in shapes[0].locations.iter().zip(&shapes[1].locations) {
+        assert!(a.distance_mm(*b) < 1e-5, "{a:?} {b:?}");
+    }
+    assert_ne!(shapes[0].location_errors_mm, shapes[1].location_errors_mm);
 }
 
 /// On the films of pcdare, 1 of 15 patients has an inflection line: the other lines keep all of their films.

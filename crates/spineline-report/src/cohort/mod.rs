@@ -60,10 +60,10 @@ pub struct Rows<'a> {
     pub generator: &'a str,
 }
 
-/// Which line, how sure, what next.
+/// Which line, how sure, what next, and other loads where these were compared.
 #[must_use]
 pub fn summary(rows: &Rows<'_>) -> Document {
-    document(rows, vec![answers(rows)])
+    document(rows, std::iter::once(answers(rows)).chain(compared_loads(rows)).collect())
 }
 
 /// The summary, then the numbers of the report without figures.
@@ -78,11 +78,12 @@ pub fn full(rows: &Rows<'_>) -> Document {
         errors::compared(&mut tests, together, PatientRow::MAX_SHOWN);
         sections.extend([verdict, by_patient::summary(patients, together), tests]);
     }
-    sections.extend(hypotheses::section(
-        patients.iter().map(PatientRow::hypotheses),
-        &together.baselines,
-    ));
+    sections.extend(compared_loads(rows));
     document(rows, sections)
+}
+
+fn compared_loads(rows: &Rows<'_>) -> Option<Section> {
+    hypotheses::section(rows.patients.iter().map(PatientRow::hypotheses), &rows.together.baselines)
 }
 
 fn answers(rows: &Rows<'_>) -> Section {

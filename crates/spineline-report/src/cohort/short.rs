@@ -1,7 +1,6 @@
 //! The first screen of a cohort: which line, how sure, what next.
 
-use spineline::action::LineKind;
-use spineline::analysis::FilmRole;
+use spineline::analysis::{FilmPredictor, FilmRole};
 use spineline::cohort::{
     BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
 };
@@ -83,13 +82,16 @@ fn sure(cohort: &Cohort) -> String {
         FilmRole::PREDICTED.into_iter().flat_map(|role| against_best(cohort, role)).collect();
     let better: Vec<String> = against
         .iter()
-        .filter(|test| test.is_better() && test.model != LineKind::Estimated)
-        .map(|test| format!("the {} on {}", test.model, test.role))
+        .filter(|test| test.is_better() && test.is_fair())
+        .map(|test| {
+            let tilt = if test.baseline.knows_tilt() { " with tilt" } else { "" };
+            format!("the {}{tilt} on {}", test.model, test.role)
+        })
         .collect();
     let baselines = match (against.is_empty(), better.is_empty()) {
         (true, _) => String::new(),
         (false, true) => {
-            " No line with one number from each film is significantly better than the best prediction without mechanics."
+            " No line is significantly better than the best prediction without mechanics from as many numbers."
                 .to_owned()
         }
         (false, false) => {
@@ -99,12 +101,10 @@ fn sure(cohort: &Cohort) -> String {
     format!("{lines}{baselines}")
 }
 
-/// The tests of every line against the best prediction without mechanics on films of this role.
-fn against_best(cohort: &Cohort, role: FilmRole) -> Vec<&BaselineTest> {
-    let Some(best) = cohort.baselines.best(role) else { return Vec::new() };
-    let tests = cohort.baselines.tests.iter();
-    let own = tests.filter(|test| test.role == role && test.baseline == best.baseline);
-    own.filter(|test| test.holm_p.is_some()).collect()
+/// The tests of every line against the best predictions without mechanics on films of this role, without and with the tilt of the top.
+fn against_best(cohort: &Cohort, role: FilmRole) -> impl Iterator<Item = &BaselineTest> {
+    let best = [false, true].into_iter().filter_map(move |tilt| cohort.baselines.best(role, tilt));
+    best.flat_map(|best| cohort.baselines.tests_against(best)).filter(|test| test.holm_p.is_some())
 }
 
 /// A prediction compared with another one on films that were not fitted.
@@ -129,8 +129,9 @@ fn comparisons(cohort: &Cohort) -> Table {
             tests.push(Compared { role, what, test: &test.comparison, holm_p: test.holm_p });
         }
         for test in against_best(cohort, role) {
-            let dagger = if test.model == LineKind::Estimated { " †" } else { "" };
-            let what = format!("{} – {} *{dagger}", test.model, test.baseline);
+            let dagger = if test.is_fair() { "" } else { " †" };
+            let baseline = FilmPredictor::Baseline(test.baseline).long_name();
+            let what = format!("{} – {baseline} *{dagger}", test.model);
             tests.push(Compared { role, what, test: &test.comparison, holm_p: test.holm_p });
         }
     }
@@ -142,7 +143,7 @@ fn comparisons(cohort: &Cohort) -> Table {
         add.numbers("Holm p", |row| p_value(row.holm_p));
     });
     table.note = format!(
-        "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. † not fair: the estimated line takes two numbers more from each film.",
+        "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. With tilt: the tilt of the top vertebra is known to both. † not fair: the estimated line takes two numbers more from each film.",
         Resampling::FEWEST
     );
     table

@@ -279,58 +279,48 @@ pub fn comparison(analysis: &Analysis) -> Section {
 /// Errors of every line by kind of film.
 pub fn by_line(analysis: &Analysis) -> Table {
     let found = analysis.comparison();
-    let columns = vec![
-        Column::words("Films"),
-        Column::words("Line of action"),
-        Column::words("Evidence"),
-        Column::numbers("Films"),
-        Column::numbers("Location error (mm)"),
-        Column::numbers("95 % band (± mm)"),
-        Column::numbers("Ferguson error (°)"),
-        Column::words("Numbers taken from the films"),
-    ];
-    let mut table = Table::new("Every line on the films with a result", columns);
     let bands = analysis.bands();
-    let radius = |mm: Option<f64>| mm.map_or_else(none, |mm| fixed(mm, 1));
-    for role in FilmRole::ALL {
-        let all = found.count(role);
-        for (place, line) in found.lines.iter().enumerate() {
-            let Some(errors) = found.errors(place, role) else { continue };
-            table.row(vec![
-                role.to_string(),
-                line.kind.to_string(),
-                if role == FilmRole::Fitted { "none: fitted" } else { "prediction" }.to_owned(),
-                format!("{} of {all}", errors.films),
-                fixed(errors.location_mm, 2),
-                radius(bands.mean_radius_mm(FilmPredictor::Line(line.kind), role)),
-                fixed(errors.ferguson_deg, 1),
-                numbers(&line.numbers, role),
-            ]);
-        }
-        for baseline in Baseline::ALL {
-            let Some(mm) = found.baseline_error_mm(baseline, role) else { continue };
-            table.row(vec![
-                role.to_string(),
-                baseline.to_string(),
-                "without mechanics".to_owned(),
-                format!("{} of {all}", found.baseline_films(baseline, role)),
-                fixed(mm, 2),
-                radius(bands.mean_radius_mm(FilmPredictor::Baseline(baseline), role)),
-                none(),
-                format!("{} per film", taken(baseline)),
-            ]);
-        }
-    }
+    let all = FilmRole::ALL.into_iter();
+    let all = all.flat_map(|role| found.predictors().map(move |by| (by, role)));
+    let rows = all.filter_map(|(by, role)| Some((by, role, found.error_mm(by, role)?)));
+    let place = |by| found.lines.iter().position(|line| by == FilmPredictor::Line(line.kind));
+    let mut table = Table::of("Every line on the films with a result", rows, |add| {
+        add.words("Films", |(_, role, _)| role.to_string());
+        add.words("Line of action", |(by, ..)| by.long_name());
+        add.words("Evidence", |(by, role, _)| {
+            let evidence = match by {
+                FilmPredictor::Baseline(_) => "without mechanics",
+                _ if *role == FilmRole::Fitted => "none: fitted",
+                _ => "prediction",
+            };
+            evidence.to_owned()
+        });
+        add.numbers("Films", |&(by, role, _)| {
+            format!("{} of {}", found.predicted_films(by, role), found.count(role))
+        });
+        add.numbers("Location error (mm)", |(.., mm)| fixed(*mm, 2));
+        add.numbers("95 % band (± mm)", |&(by, role, _)| {
+            bands.mean_radius_mm(by, role).map_or_else(none, |mm| fixed(mm, 1))
+        });
+        add.numbers("Ferguson error (°)", |&(by, role, _)| {
+            let errors = place(by).and_then(|line| found.errors(line, role));
+            errors.map_or_else(none, |errors| fixed(errors.ferguson_deg, 1))
+        });
+        add.words("Numbers taken from the films", |&(by, role, _)| match place(by) {
+            Some(line) => numbers(&found.lines[line].numbers, role),
+            None => format!("{} per film", taken(by)),
+        });
+    });
     table.note = BAND_COVERAGE.to_owned();
     table
 }
 
-/// How many numbers a prediction without mechanics takes from the film: the size of a pattern, or the coordinates and the tilt of T2.
-pub const fn taken(baseline: Baseline) -> usize {
-    match baseline {
-        Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients => 1,
-        Baseline::RotationPrior => 2,
-        Baseline::RotationPriorWithTilt | Baseline::Cubic => 3,
+/// How many numbers a prediction takes from a film: the size of a pattern or of a force, or the coordinates and the tilt of T2.
+const fn taken(by: FilmPredictor) -> usize {
+    match by {
+        FilmPredictor::Baseline(Baseline::RotationPrior) => 2,
+        _ if by.knows_tilt() => 3,
+        _ => 1,
     }
 }
 

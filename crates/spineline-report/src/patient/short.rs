@@ -2,14 +2,13 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmPredictor, FilmRole, LineModel, MultiplierEnding};
-use spineline::evaluate::Baseline;
 use spineline::number::{self, fixed};
 use spineline::personalize::{Identifiability, StiffnessBound, TestOutcome};
 use spineline::uncertainty::Uncertainty;
 
-use super::model::{noise_interval, taken};
+use super::model::noise_interval;
 use super::{Patient, measured, uncertainty};
-use crate::document::{Column, Figure, Section, Table};
+use crate::document::{Figure, Section, Table};
 use crate::figures;
 use crate::phrases::{no_model, none, sentence_case};
 
@@ -174,8 +173,13 @@ fn next(patient: &Patient<'_>) -> String {
             films.join(", ")
         )
     });
-    let asked = patient.uncertainty.is_some() || patient.identifiability.is_some();
-    let intervals = (!asked).then(|| "Intervals: --replicates 1000 --identifiability.".to_owned());
+    let has_intervals = patient.uncertainty.is_some_and(|found| found.few_words().is_none());
+    let missing = [
+        (!has_intervals).then_some("--replicates 1000"),
+        patient.identifiability.is_none().then_some("--identifiability"),
+    ];
+    let missing: Vec<&str> = missing.into_iter().flatten().collect();
+    let intervals = (!missing.is_empty()).then(|| format!("Intervals: {}.", missing.join(" ")));
     let more = Some("Tables: --full. Page: spineline report.".to_owned());
     if analysis.models.is_empty() {
         return joined([doubted, Some(no_model(analysis)), more]);
@@ -187,48 +191,61 @@ fn next(patient: &Patient<'_>) -> String {
 fn table(analysis: &Analysis) -> Table {
     let compared = analysis.comparison();
     let bands = analysis.bands();
-    let columns = vec![
-        Column::words("Prediction"),
-        Column::words("Bends"),
-        Column::numbers("Left-out bends (mm)"),
-        Column::numbers("95 % band (± mm)"),
-        Column::numbers("Neutral, traction (mm)"),
-        Column::numbers("95 % band (± mm)"),
-        Column::words("Numbers taken per film"),
-    ];
-    let mut table = Table::new("Mean location errors on films that were not fitted", columns);
-    let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| fixed(mm, 1));
-    let roles = FilmRole::PREDICTED;
-    for (i, line) in compared.lines.iter().enumerate() {
-        let Some(model) = analysis.model(line.kind) else {
-            continue;
-        };
-        let mut row = vec![sentence_case(&line.kind.to_string()), outcome(analysis, model)];
-        row.extend(roles.iter().flat_map(|&role| {
-            let error = compared.errors(i, role).map(|found| found.location_mm);
-            [mm(error), mm(bands.mean_radius_mm(FilmPredictor::Line(line.kind), role))]
-        }));
-        row.push(line.numbers.per_predicted_film.to_string());
-        table.row(row);
-    }
-    for baseline in Baseline::ALL {
-        let errors = roles.map(|role| compared.baseline_error_mm(baseline, role));
-        if errors.iter().all(Option::is_none) {
-            continue;
+    // A prediction with the tilt of the top has the name of the one without.
+    let mut rows: Vec<(String, Vec<FilmPredictor>)> = Vec::new();
+    for by in compared.predictors() {
+        let has_result = |&role: &FilmRole| compared.error_mm(by, role).is_some();
+        match rows.iter_mut().find(|(name, _)| *name == by.to_string()) {
+            Some((_, same)) => same.push(by),
+            None if by.is_line() || FilmRole::PREDICTED.iter().any(has_result) => {
+                rows.push((by.to_string(), vec![by]));
+            }
+            None => {}
         }
-        let mut row = vec![format!("* {baseline}"), none()];
-        let by = FilmPredictor::Baseline(baseline);
-        let cells = roles.iter().zip(errors);
-        row.extend(
-            cells.flat_map(|(&role, error)| [mm(error), mm(bands.mean_radius_mm(by, role))]),
-        );
-        row.push(taken(baseline).to_string());
-        table.row(row);
     }
+    let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| fixed(mm, 1));
+    let title = "Mean location errors on films that were not fitted";
+    let mut table = Table::of(title, rows, |add| {
+        add.words("Prediction", |(name, same)| prediction_words(analysis, name, same[0]));
+        add.words("Bends", |(_, same)| match same[0] {
+            FilmPredictor::Line(kind) => {
+                analysis.model(kind).map_or_else(none, |model| outcome(analysis, model))
+            }
+            _ => none(),
+        });
+        for (head, role, with_tilt) in [
+            ("Left-out bends (mm)", FilmRole::LeftOutBend, false),
+            ("With tilt (mm)", FilmRole::LeftOutBend, true),
+            ("Neutral, traction (mm)", FilmRole::HeldOut, false),
+        ] {
+            let by = move |same: &[FilmPredictor]| {
+                same.iter().copied().find(|by| by.knows_tilt() == with_tilt)
+            };
+            add.numbers(head, move |(_, same)| {
+                mm(by(same).and_then(|by| compared.error_mm(by, role)))
+            });
+            add.numbers("95 % band (± mm)", move |(_, same)| {
+                mm(by(same).and_then(|by| bands.mean_radius_mm(by, role)))
+            });
+        }
+    });
     table.note =
-        "Bends: test of a single force along the line. * without mechanics. 95 % band: mean radius."
+        "Bends: test of a single force along the line. With tilt: the tilt of the top vertebra is known too. * without mechanics. † without tilt, two numbers more per film. 95 % band: mean radius."
             .to_owned();
     table
+}
+
+/// The name of a prediction with the marks of the table's note.
+fn prediction_words(analysis: &Analysis, name: &str, by: FilmPredictor) -> String {
+    let numbers = |kind: LineKind| {
+        let line = analysis.comparison().lines.iter().find(|line| line.kind == kind);
+        line.map_or(1, |line| line.numbers.per_predicted_film)
+    };
+    match by {
+        FilmPredictor::Line(kind) if numbers(kind) > 1 => format!("{} †", sentence_case(name)),
+        by if by.is_line() => sentence_case(name),
+        _ => format!("* {name}"),
+    }
 }
 
 /// How the bends test a line. They cannot test a line that is fitted to them, and doubted films keep no line.

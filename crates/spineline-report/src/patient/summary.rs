@@ -12,11 +12,12 @@ use crate::hypotheses;
 const ERRORS: &str = "Ferguson errors: caudal region first. Counter-rotating: against the force.";
 const NUMBERS: &str = "Numbers fitted: multipliers + forces + free line. A bend left out: stiffness fitted to the other bend.";
 
-/// Which line, how sure, how stiff, what next: at most 25 lines of 100 columns. A program prints the warnings elsewhere
-/// ([`crate::WarningCounts`]).
+/// Which line, how sure, how stiff, what next: at most 25 lines of 100 columns, and other loads where these were compared. A program
+/// prints the warnings elsewhere ([`crate::WarningCounts`]).
 #[must_use]
 pub fn summary(patient: &Patient<'_>) -> Document {
-    document(patient, vec![on_terminal(patient)])
+    let compared = hypotheses::of_patient(patient.analysis);
+    document(patient, std::iter::once(on_terminal(patient)).chain(compared).collect())
 }
 
 /// The summary, then the numbers of the report without figures. Parts that every analysis has need no titles: the captions of

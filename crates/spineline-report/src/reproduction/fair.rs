@@ -1,7 +1,7 @@
 //! Beyond the paper: the lines on the same films, including left-out bends, with patients as the unit.
 
 use spineline::action::LineKind;
-use spineline::analysis::FilmRole;
+use spineline::analysis::{FilmPredictor, FilmRole};
 use spineline::cohort::{Cohort, ErrorKind, LinePairTest, PairedComparison};
 use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
@@ -38,7 +38,8 @@ fn of_role(columns: &Columns<'_>, role: FilmRole) -> Vec<PaperNumber> {
         rows.push(ours(name, "mm", columns.map(|c| baseline_error(c, baseline, role))));
     }
     for (kind, baseline) in against_baselines(role) {
-        let name = format!("  {} − {baseline} (mm, 95 % over patients)", line_in_short(kind));
+        let by = FilmPredictor::Baseline(baseline).long_name();
+        let name = format!("  {} − {by} (mm, 95 % over patients)", line_in_short(kind));
         let found = columns.map(|c| difference(baseline_test(c, kind, baseline, role)));
         rows.push(ours(name, "mm", found));
     }
@@ -62,7 +63,7 @@ pub(super) fn pair_words(lines: [LineKind; 2]) -> String {
 /// Location error of a pattern of joint rotations over patients.
 pub(super) fn baseline_error(cohort: &Cohort, baseline: Baseline, role: FilmRole) -> Cell {
     let mut errors = cohort.baselines.errors.iter();
-    let found = errors.find(|one| one.baseline == baseline && one.role == role);
+    let found = errors.find(|one| one.by == baseline && one.role == role);
     found.map_or_else(Cell::missing, |one| Cell::of(&one.location_mm.patients, 2))
 }
 
@@ -76,10 +77,10 @@ pub(super) fn test(cohort: &Cohort, lines: [LineKind; 2], role: FilmRole) -> Opt
     cohort.compared.test(lines, role, ErrorKind::Location)
 }
 
-/// Every line with every prediction without mechanics that does not use the tilt of T2.
+/// Every line with every prediction without mechanics, from as much of T2.
 fn against_baselines(role: FilmRole) -> impl Iterator<Item = (LineKind, Baseline)> {
-    let fair = Baseline::ALL.into_iter().filter(|baseline| !baseline.knows_tilt());
-    let baselines: Vec<Baseline> = fair.filter(|_| role != FilmRole::Fitted).collect();
+    let baselines: Vec<Baseline> =
+        Baseline::ALL.into_iter().filter(|_| role != FilmRole::Fitted).collect();
     LINES
         .into_iter()
         .flat_map(move |kind| baselines.clone().into_iter().map(move |one| (kind, one)))

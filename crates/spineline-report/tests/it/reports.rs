@@ -1,6 +1,8 @@
 //! Reports contain the required texts, escape user text, and embed their analysis.
 
-use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Subject, analyze};
+use spineline::analysis::{
+    Analysis, AnalysisOptions, Case, FilmPredictor, FilmRole, Subject, analyze,
+};
 use spineline::anatomy::Level;
 use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline::evaluate::Baseline;
@@ -76,7 +78,8 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
         let errors = compared.errors(i, FilmRole::LeftOutBend).expect("two bends");
         assert_eq!(row[2], format!("{:.1}", errors.location_mm));
     }
-    let mirrored = compared.baseline_error_mm(Baseline::MirroredBend, FilmRole::LeftOutBend);
+    let mirrored =
+        compared.error_mm(FilmPredictor::Baseline(Baseline::MirroredBend), FilmRole::LeftOutBend);
     let rows = table.rows.iter().filter(|row| row[0].starts_with("* "));
     assert!(rows.clone().any(|row| row[2] == format!("{:.1}", mirrored.expect("two bends"))));
     assert!(short.blocks.iter().any(|block| matches!(block, Block::Figure(_))));

@@ -98,6 +98,12 @@ impl LineOfAction {
         Self { point, direction: Frontal::leaning(tilt), application: Application::Fixed }
     }
 
+    /// The line where all lengths are multiplied by a factor.
+    #[must_use]
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Self { point: self.point * factor, ..self }
+    }
+
     /// Lever arm about a point: moment about +X of a unit force along the line.
     #[must_use]
     pub fn lever_arm_mm(&self, about: Frontal) -> f64 {

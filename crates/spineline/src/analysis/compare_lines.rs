@@ -1,18 +1,20 @@
 //! The fits and predictions that compare the lines of one patient.
 
-use super::models::{FitTask, bending_loads, fit_model, settings_of};
+use super::models::{FitTask, bending_loads, fit_model, geometric_line, settings_of};
 use super::{
-    Analysis, ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LineModel,
-    LinesCompared,
+    Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, FreeNumbers, LeftOutBend,
+    LineModel, LinesCompared,
 };
+use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{
-    Baseline, BaselinePrediction, RotationPrior, joint_rotations, predict_baseline, predict_cubic,
-    predict_from_prior, published_lateral_bending,
+    Baseline, BaselinePrediction, BeforeTheFilm, FilmShape, RotationPrior, joint_rotations,
+    predict_baseline, predict_cubic, predict_from_prior, published_lateral_bending,
 };
 use crate::measure::Outline;
 use crate::multibody::Load;
-use crate::personalize::FitTarget;
+use crate::personalize::estimate::components_of;
+use crate::personalize::{Base, FitStatus, FitTarget};
 use crate::warning::Warnings;
 
 impl Analysis {
@@ -34,18 +36,24 @@ impl Analysis {
             ComparedLine { kind: model.kind, numbers, target }
         });
         let left_out = self.leave_bends_out();
-        let film = |posture, role, models: &[LineModel]| ComparedFilm {
-            posture,
-            role,
-            simulations: self
-                .models
-                .iter()
-                .map(|line| {
-                    let model = models.iter().find(|model| model.kind == line.kind)?;
-                    model.simulation(posture).filter(|s| s.is_usable()).cloned()
-                })
-                .collect(),
-            baselines: self.baselines(posture, role),
+        let film = |posture, role, models: &[LineModel]| {
+            let by_line = |line: &LineModel| models.iter().find(|model| model.kind == line.kind);
+            let simulation = |line: &LineModel| {
+                by_line(line)?.simulation(posture).filter(|s| s.is_usable()).cloned()
+            };
+            let predicted = self.movement.film(posture).filter(|_| role != FilmRole::Fitted);
+            let predicted = predicted.filter(|film| self.has_lengths(&film.outline));
+            ComparedFilm {
+                posture,
+                role,
+                simulations: self.models.iter().map(simulation).collect(),
+                with_tilt: self
+                    .models
+                    .iter()
+                    .map(|line| self.predicted_with_tilt(by_line(line)?, predicted?))
+                    .collect(),
+                baselines: predicted.map_or_else(Vec::new, |film| self.baselines(&film.outline)),
+            }
         };
         let (mut fitted, mut held_out) = (Vec::new(), Vec::new());
         let moved = self.movement.films.iter().map(|p| p.outline.posture);
@@ -60,16 +68,54 @@ impl Analysis {
         LinesCompared { lines: lines.collect(), films, left_out }
     }
 
-    /// Predictions of a film that need no other patient. Their errors are lengths, so both films have a scale.
-    fn baselines(&self, posture: Posture, role: FilmRole) -> Vec<BaselinePrediction> {
-        let movement = &self.movement;
-        let film = movement.film(posture).filter(|_| role != FilmRole::Fitted);
-        let Some(film) = film.map(|film| &film.outline) else { return Vec::new() };
-        let erect = &movement.erect().outline;
-        if ![film, erect].iter().all(|one| one.scale.has_millimetres()) {
-            return Vec::new();
+    /// Whether errors on a film are lengths: both it and the erect film have a scale.
+    fn has_lengths(&self, film: &Outline) -> bool {
+        let erect = &self.movement.erect().outline;
+        [film, erect].iter().all(|one| one.scale.has_millimetres())
+    }
+
+    /// A film by a line's model, from T2's location and tilt and the distribution of joint rotations.
+    fn predicted_with_tilt(&self, model: &LineModel, film: &FilmMovement) -> Option<FilmShape> {
+        if model.fit.status == FitStatus::NotEvaluable {
+            return None;
         }
-        let other = match posture {
+        let movement = &self.movement;
+        // The predictions from T2's location gave the warnings about the lines already.
+        let mut repeated = Warnings::default();
+        let line = match model.kind {
+            LineKind::Estimated => None,
+            kind => Some(geometric_line(&self.options, kind, film, &mut repeated)?),
+        };
+        let before = BeforeTheFilm {
+            springs: movement.springs(&model.groups),
+            log_multipliers: &model.fit.log_multipliers,
+            support: self.options.support,
+            rotations: &self.rotation_prior(&film.outline),
+            base: Base::Fixed,
+            knows_tilt: true,
+        };
+        let found = model.simulation(film.outline.posture).filter(|found| found.is_usable());
+        let near = found.map(|found| {
+            let force_n = found.force_n / model.fit.absolute_scale;
+            match model.kind {
+                LineKind::Estimated => components_of(&found.line, force_n).to_vec(),
+                _ => vec![force_n],
+            }
+        });
+        before.predict(&film.outline, line, movement.depth_mm(), near.as_deref())
+    }
+
+    /// The distribution of rotations that was given for a film, or else the published one.
+    fn rotation_prior(&self, film: &Outline) -> RotationPrior {
+        let given = self.options.rotation_prior_of(film);
+        given.unwrap_or_else(|| RotationPrior::published(self.movement.levels()))
+    }
+
+    /// Predictions of a film that need no other patient.
+    fn baselines(&self, film: &Outline) -> Vec<BaselinePrediction> {
+        let movement = &self.movement;
+        let erect = &movement.erect().outline;
+        let other = match film.posture {
             Posture::LeftBending => movement.film(Posture::RightBending),
             Posture::RightBending => movement.film(Posture::LeftBending),
             _ => None,
@@ -77,29 +123,21 @@ impl Analysis {
         let mirrored = other.map(|bend| joint_rotations(erect, &bend.outline));
         let published = published_lateral_bending(movement.levels());
         let patterns = mirrored.map(|pattern| (Baseline::MirroredBend, pattern));
+        // A published distribution adds little to the published pattern where T2's location alone is known.
+        let from_location = self.options.rotation_prior_of(film);
+        let from_location = from_location.map(|prior| (Baseline::RotationPrior, prior));
+        let with_tilt = (Baseline::RotationPriorWithTilt, self.rotation_prior(film));
+        let from_priors = from_location.into_iter().chain([with_tilt]);
         patterns
             .into_iter()
             .chain([(Baseline::PublishedMobility, published)])
             .map(|(baseline, pattern)| predict_baseline(baseline, &pattern, erect, film))
-            .chain(self.predicted_from_priors(film))
+            .chain(
+                from_priors
+                    .map(|(baseline, prior)| predict_from_prior(baseline, &prior, erect, film)),
+            )
             .chain([predict_cubic(erect, film)])
             .collect()
-    }
-
-    /// Predictions of a film from distributions of joint rotations: one that was given describes bends only.
-    fn predicted_from_priors(&self, film: &Outline) -> Vec<BaselinePrediction> {
-        let predict = |baseline, prior| {
-            predict_from_prior(baseline, prior, &self.movement.erect().outline, film)
-        };
-        match self.options.rotation_prior_of(film) {
-            Some(learned) => [Baseline::RotationPrior, Baseline::RotationPriorWithTilt]
-                .map(|baseline| predict(baseline, &learned))
-                .into(),
-            None => {
-                let published = RotationPrior::published(self.movement.levels());
-                vec![predict(Baseline::RotationPriorWithTilt, &published)]
-            }
-        }
     }
 
     /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: only its force is free, and

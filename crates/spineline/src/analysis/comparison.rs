@@ -91,6 +91,8 @@ pub struct ComparedFilm {
     pub role: FilmRole,
     /// By line; `None` where a line has no result on it.
     pub simulations: Vec<Option<Simulation>>,
+    /// By line, predicted from T2's location and tilt; `None` where it has no result, and on a fitted film.
+    pub with_tilt: Vec<Option<FilmShape>>,
     /// Predictions without mechanics; none for a fitted film.
     pub baselines: Vec<BaselinePrediction>,
 }
@@ -106,8 +108,10 @@ impl ComparedFilm {
 /// A predictor of the vertebrae of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FilmPredictor {
-    /// A line.
+    /// A line, from T2's location.
     Line(LineKind),
+    /// A line, from T2's location and tilt and the distribution of joint rotations (decision 0034).
+    LineWithTilt(LineKind),
     /// Joint rotations without mechanics.
     Baseline(Baseline),
 }
@@ -115,10 +119,45 @@ pub enum FilmPredictor {
 impl FilmPredictor {
     /// Its name in files.
     #[must_use]
-    pub const fn key(self) -> &'static str {
+    pub fn key(self) -> String {
         match self {
-            Self::Line(kind) => kind.key(),
-            Self::Baseline(one) => one.key(),
+            Self::Line(kind) => kind.key().to_owned(),
+            Self::LineWithTilt(kind) => format!("{}_with_tilt", kind.key()),
+            Self::Baseline(one) => one.key().to_owned(),
+        }
+    }
+
+    /// Its name, which says whether T2's tilt is known.
+    #[must_use]
+    pub fn long_name(self) -> String {
+        let tilt = if self.knows_tilt() { " with tilt" } else { "" };
+        format!("{self}{tilt}")
+    }
+
+    /// Whether it is a line of action.
+    #[must_use]
+    pub const fn is_line(self) -> bool {
+        matches!(self, Self::Line(_) | Self::LineWithTilt(_))
+    }
+
+    /// Whether it takes T2's tilt from a film beside its location. Predictors that do are compared with each other.
+    #[must_use]
+    pub const fn knows_tilt(self) -> bool {
+        match self {
+            Self::Line(_) => false,
+            Self::LineWithTilt(_) => true,
+            Self::Baseline(one) => one.knows_tilt(),
+        }
+    }
+}
+
+/// The name where the text says whether T2's tilt is known.
+impl std::fmt::Display for FilmPredictor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Line(kind) | Self::LineWithTilt(kind) => kind.fmt(f),
+            Self::Baseline(Baseline::RotationPriorWithTilt) => Baseline::RotationPrior.fmt(f),
+            Self::Baseline(one) => one.fmt(f),
         }
     }
 }
@@ -194,11 +233,12 @@ impl LinesCompared {
     /// The shape that a predictor gives the film; `None` without a result.
     #[must_use]
     pub fn shape<'a>(&self, film: &'a ComparedFilm, by: FilmPredictor) -> Option<&'a FilmShape> {
+        let place = |kind| self.lines.iter().position(|line| line.kind == kind);
         match by {
             FilmPredictor::Line(kind) => {
-                let place = self.lines.iter().position(|line| line.kind == kind)?;
-                film.simulations[place].as_ref().map(|found| &found.shape)
+                film.simulations[place(kind)?].as_ref().map(|found| &found.shape)
             }
+            FilmPredictor::LineWithTilt(kind) => film.with_tilt[place(kind)?].as_ref(),
             FilmPredictor::Baseline(one) => film.baseline(one).map(|found| &found.shape),
         }
     }
@@ -226,16 +266,23 @@ impl LinesCompared {
         })
     }
 
-    /// Number of films of a role that a baseline predicts.
-    #[must_use]
-    pub fn baseline_films(&self, baseline: Baseline, role: FilmRole) -> usize {
-        self.predicted(FilmPredictor::Baseline(baseline), role).len()
+    /// All predictors of films: the lines, the lines with T2's tilt, and predictions without mechanics.
+    pub fn predictors(&self) -> impl Iterator<Item = FilmPredictor> {
+        let kinds = || self.lines.iter().map(|line| line.kind);
+        let lines = kinds().map(FilmPredictor::Line);
+        let with_tilt = kinds().map(FilmPredictor::LineWithTilt);
+        lines.chain(with_tilt).chain(Baseline::ALL.map(FilmPredictor::Baseline))
     }
 
-    /// Mean location error of a baseline over all vertebrae of the films of a role that it predicts; `None` without such a film.
+    /// Number of films of a role that are predicted.
     #[must_use]
-    pub fn baseline_error_mm(&self, baseline: Baseline, role: FilmRole) -> Option<f64> {
-        let by = FilmPredictor::Baseline(baseline);
+    pub fn predicted_films(&self, by: FilmPredictor, role: FilmRole) -> usize {
+        self.predicted(by, role).len()
+    }
+
+    /// Mean location error over all vertebrae of the films of a role that are predicted; `None` without such a film.
+    #[must_use]
+    pub fn error_mm(&self, by: FilmPredictor, role: FilmRole) -> Option<f64> {
         self.mean_mm(by, &self.predicted(by, role))
     }
 

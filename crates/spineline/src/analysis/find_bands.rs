@@ -19,6 +19,9 @@ const fn mean_square_of_line(kind: LineKind) -> f64 {
     }
 }
 
+/// As [`mean_square_of_line`], of loads that know T2's tilt.
+const MEAN_SQUARE_WITH_TILT: f64 = 8.0;
+
 /// As [`mean_square_of_line`]; `is_learned` where the distribution of rotations was given.
 const fn mean_square_of_baseline(baseline: Baseline, is_learned: bool) -> f64 {
     match baseline {
@@ -33,7 +36,7 @@ const fn mean_square_of_baseline(baseline: Baseline, is_learned: bool) -> f64 {
 /// As [`mean_square_of_line`].
 fn mean_square_of_load(hypothesis: Hypothesis, role: Role) -> f64 {
     match (role, hypothesis.base) {
-        (Role::LeftOutWithTilt, _) => 8.0,
+        (Role::LeftOutWithTilt, _) => MEAN_SQUARE_WITH_TILT,
         (_, Base::Free) => 34.0,
         (Role::HeldOut | Role::LeftOut, _) if hypothesis.load.components() > 1 => 34.0,
         _ => 6.5,
@@ -79,7 +82,8 @@ impl Known {
     ) -> Option<PredictedFilm<'a>> {
         let covariance = match by {
             FilmPredictor::Baseline(Baseline::RotationPrior) => self.by_given_and_place.as_ref(),
-            FilmPredictor::Baseline(Baseline::RotationPriorWithTilt) => {
+            FilmPredictor::LineWithTilt(_)
+            | FilmPredictor::Baseline(Baseline::RotationPriorWithTilt) => {
                 self.by_given_place_and_tilt.as_ref().or(self.by_place_and_tilt.as_ref())
             }
             // Its errors depend on the form of the curve, not on joints.
@@ -168,14 +172,14 @@ impl Analysis {
             bands: Vec::new(),
         };
         let mut bands: Vec<FilmBands> = films.iter().map(none).collect();
-        let lines = compared.lines.iter().map(|line| FilmPredictor::Line(line.kind));
-        for by in lines.chain(Baseline::ALL.map(FilmPredictor::Baseline)) {
+        for by in compared.predictors() {
             let predicted: Vec<_> = films
                 .iter()
                 .map(|(film, known)| (*known)?.predicted(compared.shape(film, by)?, by))
                 .collect();
             let of_others = |i: usize| match by {
                 FilmPredictor::Line(kind) => mean_square_of_line(kind),
+                FilmPredictor::LineWithTilt(_) => MEAN_SQUARE_WITH_TILT,
                 FilmPredictor::Baseline(one) => {
                     mean_square_of_baseline(one, films[i].1.is_some_and(Known::has_given))
                 }

@@ -50,7 +50,7 @@ pub(super) fn fit_models(
 }
 
 /// The line of a posture where geometry alone gives it; `None` for a line that must be estimated.
-fn geometric_line(
+pub(super) fn geometric_line(
     options: &AnalysisOptions,
     kind: LineKind,
     posture: &FilmMovement,

@@ -1,6 +1,6 @@
 //! The sentences in which an analysis answers which line of action the films support.
 
-use super::comparison::{FilmRole, LinesCompared, Ranking};
+use super::comparison::{FilmPredictor, FilmRole, LinesCompared, Ranking};
 use super::compatibility::{BendEvidence, Compatibility};
 use super::movement::counted_inflections;
 use super::{Analysis, FilmMovement, LineModel};
@@ -252,6 +252,7 @@ impl LinesCompared {
                 let baselines = self.baseline_words(role).unwrap_or_default();
                 format!("{what}: {errors}{baselines}.")
             }));
+            sentences.extend(self.with_tilt_words(role));
         }
         if let Some(ranking) = self.ranking() {
             sentences.extend(self.behind_words(&ranking));
@@ -263,25 +264,34 @@ impl LinesCompared {
         sentences
     }
 
-    /// Errors of the predictions without mechanics on the films of a role.
+    /// Errors of the predictions without mechanics on the films of a role, from the location of the top vertebra.
     fn baseline_words(&self, role: FilmRole) -> Option<String> {
-        let mut found: Vec<(f64, Baseline)> = Baseline::ALL
-            .into_iter()
-            .filter_map(|one| Some((self.baseline_error_mm(one, role)?, one)))
-            .collect();
+        let found = self.predicted_words(role, |by| !by.is_line() && !by.knows_tilt())?;
+        Some(format!("; without mechanics: {found}"))
+    }
+
+    /// Errors of all predictions of the films of a role from location and tilt of the top vertebra.
+    fn with_tilt_words(&self, role: FilmRole) -> Option<String> {
+        let of =
+            |is_line| self.predicted_words(role, |by| by.is_line() == is_line && by.knows_tilt());
+        let without = of(false).map(|without| format!("without mechanics: {without}"));
+        let parts: Vec<String> = of(true).into_iter().chain(without).collect();
+        let words = || format!("With the tilt of the top vertebra too: {}.", parts.join("; "));
+        (!parts.is_empty()).then(words)
+    }
+
+    /// Mean location errors of some predictors of the films of a role, the smallest first.
+    fn predicted_words(
+        &self,
+        role: FilmRole,
+        is_meant: impl Fn(FilmPredictor) -> bool,
+    ) -> Option<String> {
+        let meant = self.predictors().filter(|by| is_meant(*by));
+        let mut found: Vec<(f64, FilmPredictor)> =
+            meant.filter_map(|by| Some((self.error_mm(by, role)?, by))).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (with_tilt, found): (Vec<_>, Vec<_>) =
-            found.into_iter().partition(|(_, one)| one.knows_tilt());
-        let words = |found: &[(f64, Baseline)]| {
-            let parts: Vec<String> = found
-                .iter()
-                .map(|(mm, baseline)| format!("{baseline} {} mm", fixed(*mm, 1)))
-                .collect();
-            listed(&parts)
-        };
-        let tilt =
-            if with_tilt.is_empty() { String::new() } else { format!("; {}", words(&with_tilt)) };
-        (!found.is_empty()).then(|| format!("; without mechanics: {}{tilt}", words(&found)))
+        let words = |(mm, by): &(f64, FilmPredictor)| format!("{by} {} mm", fixed(*mm, 1));
+        (!found.is_empty()).then(|| listed(&found.iter().map(words).collect::<Vec<_>>()))
     }
 
     /// Mean location errors by line, the smallest first, each over the films on which the line has a result; `None` where no

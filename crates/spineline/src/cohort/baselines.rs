@@ -9,17 +9,17 @@ use super::patients::Patients;
 use super::workers::OneThread;
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
-use crate::analysis::{Analysis, FilmRole, listed};
+use crate::analysis::{Analysis, FilmPredictor, FilmRole, listed};
 use crate::evaluate::Baseline;
 use crate::evaluate::statistics::Resampling;
 use crate::hypothesis::Hypothesis;
 use crate::number::{fixed, probability, signed};
 
-/// Location errors of a baseline over all films of a role.
+/// Location errors over all films of a role: of a prediction without mechanics, or of a line.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BaselineErrors {
-    /// The pattern of rotations.
-    pub baseline: Baseline,
+pub struct PredictionErrors<By = Baseline> {
+    /// What predicts the films.
+    pub by: By,
     /// Role of the films in the fits.
     pub role: FilmRole,
     /// Films that it predicts.
@@ -59,11 +59,21 @@ impl<Model> BaselineTest<Model> {
     }
 }
 
+impl BaselineTest {
+    /// Whether the line takes no more numbers from a film than the baseline: a free line does, unless both know T2's tilt.
+    #[must_use]
+    pub fn is_fair(&self) -> bool {
+        self.model != LineKind::Estimated || self.baseline.knows_tilt()
+    }
+}
+
 /// The baselines of many patients.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaselinesOverPatients {
     /// By baseline and role; only those with a film.
-    pub errors: Vec<BaselineErrors>,
+    pub errors: Vec<PredictionErrors>,
+    /// Of lines with T2's tilt, by line and role; only those with a film.
+    pub lines_with_tilt: Vec<PredictionErrors<LineKind>>,
     /// By line, baseline and role: one family.
     pub tests: Vec<BaselineTest>,
     /// By other load and base, baseline and role: one family; empty if not requested.
@@ -76,7 +86,10 @@ impl BaselinesOverPatients {
         let fitted = all.iter().flat_map(|patient| patient.hypotheses.iter().copied());
         let hypotheses: Vec<Hypothesis> = fitted.collect::<BTreeSet<_>>().into_iter().collect();
         Self {
-            errors: errors(patients),
+            errors: errors(&Baseline::ALL, patients, |seen, film, one| seen.baseline_mm(film, one)),
+            lines_with_tilt: errors(kinds, patients, |seen, film, kind| {
+                seen.patient.line_mm(film, kind, true)
+            }),
             tests: tests(kinds, CohortPatient::line_mm, patients),
             hypothesis_tests: tests(&hypotheses, CohortPatient::hypothesis_mm, patients),
         }
@@ -93,21 +106,23 @@ impl BaselinesOverPatients {
         Self::of(patient, &patients, &Vec::from_iter(kinds))
     }
 
-    /// The prediction without mechanics with the smallest error on the films of a role, among those that take no more numbers from a
-    /// film than a line.
+    /// The prediction without mechanics with the smallest error on the films of a role, among those that know T2's tilt or those that do
+    /// not.
     #[must_use]
-    pub fn best(&self, role: FilmRole) -> Option<&BaselineErrors> {
-        self.best_of(role, false)
+    pub fn best(&self, role: FilmRole, with_tilt: bool) -> Option<&PredictionErrors> {
+        let of_role = self.errors.iter().filter(|one| one.role == role);
+        let same = of_role.filter(|one| one.by.knows_tilt() == with_tilt);
+        same.min_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()))
     }
 
-    fn best_of(&self, role: FilmRole, with_tilt: bool) -> Option<&BaselineErrors> {
-        let of_role = self.errors.iter().filter(|one| one.role == role);
-        let same = of_role.filter(|one| one.baseline.knows_tilt() == with_tilt);
-        same.min_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()))
+    /// The tests of every line against this prediction.
+    pub fn tests_against(&self, best: &PredictionErrors) -> impl Iterator<Item = &BaselineTest> {
+        let of_best = |test: &&BaselineTest| (test.role, test.baseline) == (best.role, best.by);
+        self.tests.iter().filter(of_best)
     }
 }
 
-impl BaselineErrors {
+impl<By> PredictionErrors<By> {
     /// Mean over patients of one mean per patient.
     #[must_use]
     pub fn mean_mm(&self) -> f64 {
@@ -115,25 +130,29 @@ impl BaselineErrors {
     }
 }
 
-/// Every baseline in every role of films that are predicted.
-fn cells() -> impl Iterator<Item = (Baseline, FilmRole)> {
-    Baseline::ALL.into_iter().flat_map(|one| FilmRole::PREDICTED.map(|role| (one, role)))
+/// Each of these in every role of films that are predicted.
+fn in_roles<By: Copy>(all: &[By]) -> impl Iterator<Item = (By, FilmRole)> {
+    all.iter().flat_map(|&one| FilmRole::PREDICTED.map(|role| (one, role)))
 }
 
-/// The errors of every baseline on the films of a role, where it predicts any.
-fn errors(patients: &Patients<'_>) -> Vec<BaselineErrors> {
-    let cells: Vec<_> = cells().collect();
-    let found = patients.clustered(&cells, |seen, &(baseline, role), values| {
+/// The errors of every prediction on the films of a role, where it predicts any.
+fn errors<By: Copy + Sync>(
+    all: &[By],
+    patients: &Patients<'_>,
+    errors_mm: for<'a> fn(&'a Seen<'_>, u8, By) -> Option<&'a [f64]>,
+) -> Vec<PredictionErrors<By>> {
+    let cells: Vec<_> = in_roles(all).collect();
+    let found = patients.clustered(&cells, |seen, &(by, role), values| {
         let films = seen.patient.places(role);
-        let errors = films.filter_map(|film| seen.baseline_mm(film, baseline));
+        let errors = films.filter_map(|film| errors_mm(seen, film, by));
         errors.for_each(|errors| values.extend_from_slice(errors));
     });
-    let of_cell = |(&(baseline, role), location_mm): (&(Baseline, FilmRole), Clustered)| {
+    let of_cell = |(&(by, role), location_mm): (&(By, FilmRole), Clustered)| {
         let films = patients.count(|seen| {
             let films = seen.patient.places(role);
-            films.filter(|&film| seen.baseline_mm(film, baseline).is_some()).count()
+            films.filter(|&film| errors_mm(seen, film, by).is_some()).count()
         });
-        (films > 0).then_some(BaselineErrors { baseline, role, films, location_mm })
+        (films > 0).then_some(PredictionErrors { by, role, films, location_mm })
     };
     cells.iter().zip(found).filter_map(of_cell).collect()
 }
@@ -164,6 +183,7 @@ fn tests<Model: Copy + Sync>(
             films
         })
     };
+    let cells = || in_roles(&Baseline::ALL);
     let pairs = models.iter().flat_map(|&model| cells().map(move |cell| (model, cell)));
     let (pairs, films): (Vec<_>, Vec<usize>) =
         pairs.map(|pair| (pair, count(pair))).filter(|(_, films)| *films > 0).unzip();
@@ -193,35 +213,30 @@ impl BaselinesOverPatients {
     }
 
     fn of_role(&self, role: FilmRole) -> Vec<String> {
-        let Some(best) = self.best(role) else { return Vec::new() };
-        let mut found: Vec<&BaselineErrors> =
-            self.errors.iter().filter(|one| one.role == role).collect();
-        found.sort_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()));
-        let (with_tilt, found): (Vec<_>, Vec<_>) =
-            found.into_iter().partition(|one| one.baseline.knows_tilt());
-        let words =
-            |one: &&BaselineErrors| format!("{} {} mm", one.baseline, fixed(one.mean_mm(), 1));
-        let parts: Vec<String> = found.iter().map(words).collect();
-        let films = films_words(role);
-        let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
-        let with_tilt: Vec<String> = with_tilt.iter().map(words).collect();
-        if !with_tilt.is_empty() {
-            all.push(format!(
-                "No line is compared with predictions that know the tilt of the top vertebra, since a line knows its location alone: {}.",
-                listed(&with_tilt)
-            ));
+        let baselines = |with_tilt| {
+            let known = self.errors.iter().filter(move |one| one.by.knows_tilt() == with_tilt);
+            errors_words(known, role, |by| FilmPredictor::Baseline(by).to_string())
+        };
+        let mut all = Vec::new();
+        if let Some((best, words)) = self.best(role, false).zip(baselines(false)) {
+            all.push(format!("{}, predicted without mechanics: {words}.", films_words(role)));
+            all.extend(self.tests_against(best).filter_map(line_sentence));
+            let mut tests = self.tests_against(best).peekable();
+            if tests.peek().is_some() && !tests.any(BaselineTest::is_better) {
+                all.push(format!(
+                    "No line predicts them significantly better than {}: these films are not evidence that a prediction needs mechanics.",
+                    best.by
+                ));
+            }
         }
-        let of_best = |test: &&BaselineTest| test.role == role && test.baseline == best.baseline;
-        let tests: Vec<&BaselineTest> = self.tests.iter().filter(of_best).collect();
-        all.extend(tests.iter().filter_map(|test| line_sentence(test)));
-        if !tests.is_empty() && !tests.iter().any(|test| test.is_better()) {
-            all.push(format!(
-                "No line predicts them significantly better than {}: these films are not evidence that a prediction needs mechanics.",
-                best.baseline
-            ));
+        let lines = errors_words(self.lines_with_tilt.iter(), role, |kind| kind.to_string());
+        if let Some((best, words)) = self.best(role, true).zip(baselines(true)) {
+            let lines = lines.map_or_else(String::new, |lines| format!("; by lines: {lines}"));
+            all.push(format!("With the tilt of the top vertebra too: {words}{lines}."));
+            all.extend(self.tests_against(best).filter_map(line_sentence));
         }
-        let best = [false, true].into_iter().filter_map(|tilt| self.best_of(role, tilt));
-        all.extend(best.filter_map(|best| self.hypotheses_sentence(role, best.baseline)));
+        let best = [false, true].into_iter().filter_map(|tilt| self.best(role, tilt));
+        all.extend(best.filter_map(|best| self.hypotheses_sentence(role, best.by)));
         all
     }
 
@@ -253,6 +268,19 @@ impl BaselinesOverPatients {
             )
         })
     }
+}
+
+/// Mean errors of some predictions of the films of a role, the smallest first.
+fn errors_words<'a, By: Copy + 'a>(
+    all: impl Iterator<Item = &'a PredictionErrors<By>>,
+    role: FilmRole,
+    name: impl Fn(By) -> String,
+) -> Option<String> {
+    let mut found: Vec<_> = all.filter(|one| one.role == role).collect();
+    found.sort_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()));
+    let words =
+        |one: &&PredictionErrors<By>| format!("{} {} mm", name(one.by), fixed(one.mean_mm(), 1));
+    (!found.is_empty()).then(|| listed(&found.iter().map(words).collect::<Vec<_>>()))
 }
 
 /// A line beside the best prediction without mechanics: whether it is better or worse, or neither.

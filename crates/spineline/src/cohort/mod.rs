@@ -23,7 +23,7 @@ mod rotation_prior;
 mod words;
 mod workers;
 
-pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
+pub use baselines::{BaselineTest, BaselinesOverPatients, PredictionErrors};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::{ComparisonOutcome, PairedComparison};
 pub use films::{ChainCount, DoubtedFilm};

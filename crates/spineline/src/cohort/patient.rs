@@ -4,7 +4,7 @@ use super::DoubtedFilm;
 use super::numbers::Numbers;
 use crate::action::LineKind;
 use crate::analysis::{
-    Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, LineModel, LinesCompared,
+    Analysis, ComparedLine, FilmMovement, FilmPredictor, FilmRole, LineModel, LinesCompared,
     Movement, ferguson_errors_deg,
 };
 use crate::anatomy::{Levels, Posture, named};
@@ -55,8 +55,8 @@ pub struct CohortPatient {
     missing: Box<[Missing]>,
     /// By place of the film in `compared` and line ([`FilmErrors`]).
     errors: Numbers<(u8, LineKind)>,
-    /// Location errors without mechanics and without other patients, in mm, by place of the film.
-    baselines_mm: Numbers<(u8, Baseline)>,
+    /// Location errors by lines with T2's tilt, and without mechanics and other patients, in mm, by place of the film.
+    predicted_mm: Numbers<(u8, FilmPredictor)>,
     pub(super) hypotheses: Box<[Hypothesis]>,
     /// Location errors of other loads and bases, in mm, by place of a film that they were not fitted to.
     hypotheses_mm: Numbers<(u8, Hypothesis, bool)>,
@@ -178,7 +178,7 @@ impl CohortPatient {
             same_data: compared.same_data(),
             missing,
             errors,
-            baselines_mm: baselines_mm(&compared.films),
+            predicted_mm: predicted_mm(compared),
             hypotheses: analysis.hypotheses.iter().map(|fit| fit.hypothesis).collect(),
             hypotheses_mm: hypotheses_mm(&analysis.hypotheses, &films),
             compared: films,
@@ -258,12 +258,15 @@ impl CohortPatient {
 
     /// Location errors of a prediction without mechanics from the patient's films; `None` without a result.
     pub(super) fn baseline_mm(&self, film: u8, baseline: Baseline) -> Option<&[f64]> {
-        self.baselines_mm.get(&(film, baseline))
+        self.predicted_mm.get(&(film, FilmPredictor::Baseline(baseline)))
     }
 
-    /// Location errors of a line on a film; `None` without a result, or if T2's tilt is known.
+    /// Location errors of a line on a film, from T2's place with or without its tilt; `None` without a result.
     pub(super) fn line_mm(&self, film: u8, kind: LineKind, with_tilt: bool) -> Option<&[f64]> {
-        self.result(film, kind).ok().filter(|_| !with_tilt).map(FilmErrors::location_mm)
+        if with_tilt {
+            return self.predicted_mm.get(&(film, FilmPredictor::LineWithTilt(kind)));
+        }
+        self.result(film, kind).ok().map(FilmErrors::location_mm)
     }
 
     /// Location errors of another load and base on a film, from T2's place with or without its tilt; `None` where it does not predict the
@@ -317,12 +320,15 @@ fn under_lines(
     (missing.into(), Numbers::of(errors))
 }
 
-fn baselines_mm(films: &[ComparedFilm]) -> Numbers<(u8, Baseline)> {
-    let all = (0..).zip(films).flat_map(|(place, film)| {
-        let usable = film.baselines.iter().filter(|one| one.is_usable());
-        usable.map(move |one| ((place, one.baseline), &one.shape.location_errors_mm[..]))
-    });
-    Numbers::of(all)
+fn predicted_mm(compared: &LinesCompared) -> Numbers<(u8, FilmPredictor)> {
+    // Errors of lines without the tilt stand beside their other errors.
+    let of_film = |(place, film)| {
+        let others = compared.predictors().filter(|by| !matches!(by, FilmPredictor::Line(_)));
+        others.filter_map(move |by| {
+            Some(((place, by), &compared.shape(film, by)?.location_errors_mm[..]))
+        })
+    };
+    Numbers::of((0..).zip(&compared.films).flat_map(of_film))
 }
 
 fn hypotheses_mm(

@@ -27,13 +27,12 @@ named! {
         /// The distribution of joint rotations and, unlike all others, the tilt of T2 on the film.
         RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations with tilt",
         /// No spine: a cubic from L4 to T2 with the tilts of both, each vertebra at its part of the length on the erect film.
-        Cubic = "cubic" as "cubic curve with tilts of both ends",
+        Cubic = "cubic" as "cubic curve",
     }
 }
 
 impl Baseline {
-    /// Whether it takes the tilt of T2 from the film beside its location: more than a line of action takes, so the two are not
-    /// compared.
+    /// Whether it takes the tilt of T2 from the film beside its location. Only predictions that know the tilt are compared with it.
     #[must_use]
     pub const fn knows_tilt(self) -> bool {
         matches!(self, Self::RotationPriorWithTilt | Self::Cubic)

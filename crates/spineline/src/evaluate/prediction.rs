@@ -1,7 +1,6 @@
 //! Predictions of films that were not fitted, whose scale is not known either.
 
 use super::{FilmUnderLine, Simulation, Target, simulate};
-use crate::action::LineOfAction;
 use crate::clinical::Regions;
 use crate::measure::{FilmScale, Outline};
 use crate::multibody::{PathEnding, Statics};
@@ -21,19 +20,17 @@ pub fn predict(
 ) -> Simulation {
     let found = at_scale_of_top(film.outline, |outline| {
         let factor = film.outline.length.scale.factor / outline.length.scale.factor;
-        let line = LineOfAction { point: film.line.point * factor, ..film.line };
-        let film = FilmUnderLine { outline, line, ..film };
+        let film = FilmUnderLine { outline, line: film.line.scaled(factor), ..film };
         let found = simulate(statics, film, regions, target);
         Some((found.shape.locations[found.joints()], found))
     });
     let ScaledPrediction { scale, prediction, converged } =
         found.expect("a simulation never comes back empty");
     let factor = scale.factor / film.outline.length.scale.factor;
-    let LineOfAction { point, .. } = prediction.line;
     Simulation {
         fitted: false,
         status: if converged { prediction.status } else { PathEnding::NotConverged },
-        line: LineOfAction { point: point * factor, ..prediction.line },
+        line: prediction.line.scaled(factor),
         shape: prediction.shape.in_lengths_of(&film.outline.length, scale),
         ..prediction
     }

@@ -1,6 +1,6 @@
 //! The load on a film that was not fitted: the one that brings T2 nearest to where it was measured (decision 0008).
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::prediction::{FoundLoad, Predicted, Predictor};
 use super::{Base, HypothesisFilm, Spine};
@@ -8,6 +8,7 @@ use crate::evaluate::{ScaledPrediction, at_scale_of_top};
 use crate::multibody::{
     FilmUnderLoad, ForceSign, GeneralStatics, LoadedFilm, MAX_FORCE_PER_STIFFNESS, OneComponent,
     PathEnding, SeveralComponents, Solution, Wanted, nearest_from_starts, nearest_on_path,
+    size_factor,
 };
 use crate::spatial::{Angle, Frontal};
 
@@ -76,8 +77,8 @@ fn nearest_t2(
         return None;
     }
     let base = usize::from(hypothesis.base == Base::Free);
-    let size = size_factor(loaded, spine.springs.model.joints.len(), count, base)?;
     let (groups, top) = (log_multipliers.len(), spine.springs.model.midpoints_mm.len() - 1);
+    let size = size_factor(loaded.solution(), groups, count, base)?;
     let mut load = SeveralOnFilm { loaded, statics, unknowns: count + base, groups, top };
     let x: DVector<f64> = nearest_from_starts(&mut load, &size, count, measured)?;
     load.restart();
@@ -96,23 +97,6 @@ pub(super) fn largest(loaded: &LoadedFilm, log_multipliers: &[f64], spine: &Spin
     let sum: f64 =
         stiffness.map(|(row, &group)| row.nmm_per_rad[0] * log_multipliers[group].exp()).sum();
     MAX_FORCE_PER_STIFFNESS * sum / joints.len() as f64 / unit_n
-}
-
-/// `size² = |factor · x|²`; `None` where the components do not differ.
-pub(super) fn size_factor(
-    loaded: &LoadedFilm,
-    joints: usize,
-    count: usize,
-    base: usize,
-) -> Option<DMatrix<f64>> {
-    let mut squares = DMatrix::<f64>::identity(count + base, count + base);
-    for a in 0..count {
-        for b in 0..count {
-            squares[(a, b)] =
-                (0..joints).map(|j| loaded.joint_rate(a, j).dot(&loaded.joint_rate(b, j))).sum();
-        }
-    }
-    Some(squares.cholesky()?.l().transpose())
 }
 
 /// One film under a load of one component.

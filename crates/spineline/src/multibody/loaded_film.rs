@@ -102,12 +102,6 @@ impl LoadedFilm {
     pub fn is_beyond_human_range(&self, erect: &SpineModel) -> bool {
         self.solution.deformed.beyond_human_range(erect).is_some()
     }
-
-    /// Turn of a joint per unit of a component.
-    pub fn joint_rate(&self, component: usize, joint: usize) -> Vec3 {
-        let turns = &self.solution.turn_rates[self.joints.len() + component];
-        turns[joint + 1] - turns[joint]
-    }
 }
 
 impl FilmUnderLoad for LoadedFilm {

@@ -53,7 +53,7 @@ pub use matching::{ForceMatch, ForceSign, amplitude_matches, match_amplitude};
 pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent, match_t2_near};
 pub use nearest::match_t2;
 pub(crate) use nearest::{
-    SeveralComponents, nearest_from_starts, nearest_on_path, starts_of_sizes,
+    SeveralComponents, nearest_from_starts, nearest_on_path, size_factor, starts_of_sizes,
 };
 pub use solution::{Deformed, Parameter, Solution};
 pub use statics::Statics;

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::matching::{ForceMatch, ForceSign, LineForce, OneComponent, Path};
 use super::target::{NearestT2Target, T2_TOLERANCE_MM};
-use super::{Load, Statics};
+use super::{Load, Solution, Statics};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::spatial::Frontal;
 
@@ -92,6 +92,24 @@ pub(crate) fn nearest_from_starts(
     }
     let least_mm = minima.iter().map(|(of, _)| of[0]).fold(f64::INFINITY, f64::min);
     smallest_near_t2(minima, least_mm, |(of, _)| *of).map(|(_, components)| components)
+}
+
+/// `size² = |factor · x|²` for the components of a load and the angle of a base that may turn, whose derivatives follow those by `groups`;
+/// `None` where the components do not differ.
+pub(crate) fn size_factor(
+    unloaded: &Solution,
+    groups: usize,
+    components: usize,
+    base: usize,
+) -> Option<DMatrix<f64>> {
+    let mut squares = DMatrix::<f64>::identity(components + base, components + base);
+    for a in 0..components {
+        for b in 0..components {
+            let pairs = unloaded.joint_rates(groups + a).zip(unloaded.joint_rates(groups + b));
+            squares[(a, b)] = pairs.map(|(a, b)| a.dot(&b)).sum();
+        }
+    }
+    Some(squares.cholesky()?.l().transpose())
 }
 
 /// No load, and each of the first `started` components by itself, both ways and in several sizes.

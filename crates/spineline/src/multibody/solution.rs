@@ -93,10 +93,14 @@ impl Solution {
         place.cross(self.location_rate(parameter, top)) / place.dot(place)
     }
 
+    /// How fast every joint turns, in rad per unit of the parameter.
+    pub(super) fn joint_rates(&self, parameter: usize) -> impl Iterator<Item = Vec3> {
+        self.turn_rates[parameter].windows(2).map(|pair| pair[1] - pair[0])
+    }
+
     /// The fastest hinge, in rad per unit of the parameter.
     #[must_use]
     pub fn fastest_turn(&self, parameter: usize) -> f64 {
-        let turns = &self.turn_rates[parameter];
-        turns.windows(2).map(|pair| (pair[1] - pair[0]).norm()).fold(0.0, f64::max)
+        self.joint_rates(parameter).map(|rate| rate.norm()).fold(0.0, f64::max)
     }
 }
