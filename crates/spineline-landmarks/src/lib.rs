@@ -55,23 +55,30 @@ pub const MAX_BYTES: u64 = 64 << 20;
 /// Text about the formats that are read.
 pub const LANDMARK_FORMATS: &str = "\
 Landmark files, detected by their content:
-  CSV           one row per vertebra: posture, observer, repeat, vertebra, superior_left_column_px, superior_left_row_px,
-                and so on for superior_right, inferior_left, inferior_right; axis_clockwise_deg if set by hand. A row whose
-                vertebra is iliac_crests has the left and right tip in the superior columns. Commas, or semicolons with
-                decimal commas. At most 100000 rows. Confidences from 0 to 1: superior_left_confidence, and so on. Pedicles:
-                left_pedicle_column_px, and so on. A table of a lateral film (import --lateral-landmarks) has observer, repeat,
-                vertebra, and superior_anterior_column_px, and so on for superior_posterior and the inferior ones.
-  3D Slicer     point lists (.mrk.json) with labels such as T12_superior_left or T12 SL, iliac_crest_left and _right.
-                coordinateSystem, LPS or RAS, has to be there.
-  labelme       points with such labels, or polygons of four points labelled T12; `score` is a confidence.
-  COCO          keypoints: a category per vertebra (superior_left, …), or names such as T12_superior_left. Confidences:
-                `keypoint_scores`, or one `score` per annotation. Several films in one file are matched by `file_name`.
-  Midlines      of the back surface, as JSON with `midlines`: for import --midlines only. Levels are placed by arc length.
-  AASCE         a .mat file with p2, or the folder with filenames.csv and landmarks.csv, and the pictures or image_sizes.csv.
+  CSV           one row per vertebra: posture, observer, repeat, vertebra,
+                superior_left_column_px, superior_left_row_px, and so on for superior_right,
+                inferior_left, inferior_right; axis_clockwise_deg if set by hand. A row whose
+                vertebra is iliac_crests has the left and right tip in the superior columns.
+                Commas, or semicolons with decimal commas. At most 100000 rows. Confidences from
+                0 to 1: superior_left_confidence, and so on. Pedicles: left_pedicle_column_px,
+                and so on. A table of a lateral film (import --lateral-landmarks) has observer,
+                repeat, vertebra, and superior_anterior_column_px, and so on for
+                superior_posterior and the inferior ones.
+  3D Slicer     point lists (.mrk.json) with labels such as T12_superior_left or T12 SL,
+                iliac_crest_left and _right. coordinateSystem, LPS or RAS, has to be there.
+  labelme       points with such labels, or polygons of four points labelled T12; `score` is a
+                confidence.
+  COCO          keypoints: a category per vertebra (superior_left, …), or names such as
+                T12_superior_left. Confidences: `keypoint_scores`, or one `score` per
+                annotation. Several films in one file are matched by `file_name`.
+  Midlines      of the back surface, as JSON with `midlines`: for import --midlines only. Levels
+                are placed by arc length.
+  AASCE         a .mat file with p2, or the folder with filenames.csv and landmarks.csv, and the
+                pictures or image_sizes.csv.
   DICOM SR      a report that `spineline export --to dicom-sr` wrote.
-Landmarks that were not placed (empty, null, NaN, NA, visibility 0) are missing; a vertebra without any is passed over.
-Left and right are the patient's. AASCE and polygons name sides of the picture, so they need the side of it
-the patient's left is. Pixels count from the centre of the first pixel, which is 0.";
+Landmarks that were not placed (empty, null, NaN, NA, visibility 0) are missing; a vertebra without any is passed over. \
+Left and right are the patient's. AASCE and polygons name sides of the picture: --patient-left says on which side the patient's left is. \
+Pixels count from the centre of the first pixel, which is 0.";
 
 /// Reads landmarks of any known format from the bytes of a file, detected from the content.
 ///

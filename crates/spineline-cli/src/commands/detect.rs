@@ -32,11 +32,11 @@ Examples:
       writes found/detected-01.json
   spineline detect P07/case.json --out found           every film of a case without a reading
   spineline check found/detected-01.json               lists what to look at
-  spineline serve                                      the browser shows the same proposals on a film, one by one (P)
+  spineline serve                                      the browser proposes the same on a film, one by one
 
 The networks were trained on films of erect adolescents with scoliosis from one hospital, and not on bending, lateral or traction films, \
 adults or implants: check films of other postures most carefully. Every corner states its confidence and its deviation, and counts as not reviewed until a person has accepted or \
-moved it. Levels that may be shifted by one are reported. Iliac crests in a case help to name the vertebrae. validation/proposals.md has its errors on films that it has not seen.";
+moved it. The command reports levels that may be shifted by one. Iliac crests in a case help to name the vertebrae. validation/proposals.md has the errors on films that were not used for training.";
 
 #[derive(Args)]
 pub struct DetectArgs {

@@ -34,8 +34,8 @@ const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 internal error; 2 wrong usage; 3 bad input, or an output that cannot be written; 4 finished, \
 results incomplete; 130 interrupted.
 
-Ctrl-C and SIGTERM end a command with 130 and without results. Where replicates or shapes count already, they are written, and the \
-exit code is 4. The second one ends the program at once.";
+Ctrl-C and SIGTERM end a command with 130 and without results. A command that already has replicates or shapes writes these and ends \
+with 4. A second Ctrl-C ends the program at once.";
 
 /// Turns frontal radiographs of a scoliotic spine into a personalised multibody model.
 ///
@@ -59,7 +59,7 @@ pub enum Command {
     /// Inspect radiographs: metadata, reliability of spacing and view, preview
     #[command(after_help = film::EXAMPLES)]
     Film(film::FilmArgs),
-    /// Find the vertebrae on films of erect spines and write them as cases, to be looked at (experimental)
+    /// Find the vertebrae on films of erect spines and write cases for you to check (experimental)
     #[command(after_help = detect::EXAMPLES)]
     Detect(detect::DetectArgs),
     /// Start the browser app on this machine

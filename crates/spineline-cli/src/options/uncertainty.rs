@@ -21,8 +21,8 @@ pub struct UncertaintyArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Uncertainty")]
 pub struct ReplicateArgs {
-    /// Run N Monte Carlo replicates with perturbed landmarks: every number gets a standard deviation and, from 40 on, a 95 %
-    /// interval, in the report and under `uncertainty` in the JSON. Use 1000 for intervals, 10000 for stable ends of intervals
+    /// Run N Monte Carlo replicates with perturbed landmarks: numbers get a standard deviation and, from 40 replicates on, 95 % intervals
+    /// (errors and distances get none), in the report and under `uncertainty` in the JSON. Use 1000 for intervals, 10000 for stable ends
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
     pub replicates: Option<u64>,
     /// Standard deviation of the landmark noise of one reading: `measured` (between the case's readings; an assumed value

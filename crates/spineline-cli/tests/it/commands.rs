@@ -144,7 +144,7 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
         &unwrapped(&text),
         &[counted, "readings of this case", "95 % interval", "Cobb angle"],
     );
-    assert!(!with(&[]).0.contains("replicates"));
+    assert!(!with(&[]).0.contains("replicates, seed"));
     assert_eq!(with(&["--noise", "2"]).2, 2, "noise without replicates does nothing");
     assert_eq!(with(&["--replicates", "20", "--noise", "-2"]).2, 2);
     let help = here.run(&["analyze", "--help"]).0;

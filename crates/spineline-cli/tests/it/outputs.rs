@@ -53,7 +53,7 @@ const TO_FOLDER: [&[&str]; 8] = [
     &["report", "case.json", "--out", "r.html", "--figures"],
     &["rerun", "analysis.json", "--figures"],
     &["export", "case.json", "--to", "slicer", "--out"],
-    &["reliability", "readings.csv", "--figure"],
+    &["reliability", "readings.csv", "--figures"],
     &["phantom", "--scenario", "rod", "--subject", "1", "--out"],
     &["noise-study", "--phantoms", "2", "--out"],
 ];

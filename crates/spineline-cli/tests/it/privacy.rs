@@ -129,7 +129,7 @@ fn every_output(inputs: &Path, out: &Path) -> Vec<Vec<String>> {
             &to("rel.json"),
             "--csv",
             &to("rel.csv"),
-            "--figure",
+            "--figures",
             &to("rel"),
         ]),
         line(&["export", &case, "--to", "csv", "--out", &to("l.csv")]),

@@ -25,7 +25,7 @@ fn number(value: &Value) -> f64 {
 fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
     let here = with_phantoms("rod", &["1", "2"]);
     let text = here
-        .done(&split("reliability cases --json out.json --csv out.csv --figure figures --full"));
+        .done(&split("reliability cases --json out.json --csv out.csv --figures figures --full"));
     assert!(text.contains("SYNTHETIC") && text.contains("two-way random, absolute agreement"));
     let file = here.json("out.json");
     assert_eq!(file["synthetic"], true);

@@ -207,7 +207,7 @@ pub const OPTIONS: [MethodOption; 18] = [
     MethodOption {
         name: "reference",
         title: "Reference",
-        help: "Load on the springs in the shape of the erect film: `unloaded` (the paper), or `loaded:KG`, the weight of trunk, head and arms of a body of this mass, such as loaded:50. All other films are then without this weight: the patient lies. Leave it out for bends of a standing patient",
+        help: "Load on the springs in the shape of the erect film: `unloaded` (the paper), or `loaded:KG`, the weight of trunk, head and arms of a body of this mass, such as loaded:50. Use it if the patient lies on all other films, which are then without this weight",
         value_name: "unloaded|loaded:KG",
         values: OptionValues::Text(&["unloaded", "loaded:50"]),
         may_repeat: false,
@@ -259,7 +259,7 @@ pub const OPTIONS: [MethodOption; 18] = [
     MethodOption {
         name: "film_lengths",
         title: "Lengths of the films",
-        help: "Lengths of the films: `per-film` (each film has a scale against the erect film; standard deviation 3.3 % where films do not state its error), this standard deviation in percent, or `as-marked` (one scale, as in the paper)",
+        help: "Lengths of the films: `per-film` (each film has a scale against the erect film; its standard deviation is 3.3 % where the film states no error), a number (another standard deviation, in percent), or `as-marked` (one scale, as in the paper)",
         value_name: "RULE",
         values: OptionValues::Text(&["per-film", "as-marked"]),
         may_repeat: false,
@@ -298,7 +298,7 @@ pub const OPTIONS: [MethodOption; 18] = [
     MethodOption {
         name: "prior",
         title: "Prior of the multipliers",
-        help: "Log-normal prior of the multipliers about their mean: `none`, a standard deviation of ln such as 0.3, or `in-vivo` (0.5, the standard deviation between segments of living scoliotic spines)",
+        help: "Log-normal prior of the multipliers, centred at their mean: `none`, a standard deviation of ln such as 0.3, or `in-vivo` (0.5, the standard deviation between segments of living scoliotic spines)",
         value_name: "none|in-vivo|SD",
         values: OptionValues::Text(&["none", "in-vivo", "0.3"]),
         may_repeat: false,

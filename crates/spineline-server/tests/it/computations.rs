@@ -110,7 +110,7 @@ fn identifiability_and_other_models_are_computed_and_exported() {
         assert!(cells.contains(&hypothesis.to_string()), "{hypothesis}: {cells:?}");
     }
     let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
-    assert!(report.contains("Profile likelihood of the multipliers"));
+    assert!(report.contains("Identifiability of the multipliers, case"));
     assert!(report.contains("Loads and bases compared"));
     let analysis = lead.get("/api/studies/demo-rod-01/exports/analysis").text();
     let again = spineline_files::parse_analysis(&analysis).expect("an analysis to repeat");
@@ -132,7 +132,7 @@ fn identifiability_and_other_models_are_computed_and_exported() {
     assert_eq!(written(&analysis), before);
     assert_eq!(kinds.map(|kind| lead.get(&path(kind)).json()), said);
     let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
-    assert!(report.contains("Profile likelihood of the multipliers"));
+    assert!(report.contains("Identifiability of the multipliers, case"));
     assert!(report.contains("Loads and bases compared"));
 
     // Other options give other results.

@@ -71,7 +71,7 @@ fn warn_of_bounds(model: &LineModel, warnings: &mut Warnings) {
     for (name, bound) in model.groups.titles().zip(&model.fit.bounds) {
         if *bound != StiffnessBound::Inside {
             let text = format!(
-                "the multiplier of {name} reached its limit, so its value is not identified"
+                "the multiplier of {name} reached its limit: the films do not determine it"
             );
             warnings.line(WarningCode::MultiplierAtBound, model.kind, None, text);
         }
@@ -84,13 +84,18 @@ fn warn_of_contradiction(line: LineKind, simulation: &Simulation, warnings: &mut
     if against_by_chance(against, simulation.joints()) >= SIGNIFICANCE {
         return;
     }
+    let posture = simulation.shape.posture;
+    let beside = if posture.bend().is_some() {
+        ""
+    } else {
+        "; this film takes no part in the test of the line"
+    };
     let text = format!(
-        "{} of {} joints turn against the force, {} of them beyond noise ({} % of the work): no positive stiffness explains them",
+        "{} of {} joints turn against the force, {} of them beyond noise ({} % of the work): no positive stiffness explains them{beside}",
         against.len(),
         simulation.joints(),
         against.iter().filter(|joint| joint.beyond_noise).count(),
         fixed(100.0 * simulation.contradicted_weight(), 0)
     );
-    let posture = Some(simulation.shape.posture);
-    warnings.line(WarningCode::JointsContradictLine, line, posture, text);
+    warnings.line(WarningCode::JointsContradictLine, line, Some(posture), text);
 }

@@ -6,6 +6,7 @@ use super::bend_rotations::{BendRotations, BendStatistics};
 use super::mobility::published_lateral_bending;
 use crate::anatomy::{Levels, Posture, Side};
 use crate::spatial::Angle;
+use crate::warning::counted;
 
 /// Normal distribution of the joint rotations of a bend to the right; a bend to the left has its mirror image.
 ///
@@ -45,7 +46,8 @@ pub enum PriorSource {
 pub enum RotationPriorError {
     /// Too few patients.
     #[error(
-        "{patients} patients with a bending film, but a prior of joint rotations needs at least {needed}: add patients"
+        "{} with a bending film, but a prior of joint rotations needs at least {needed}: add patients",
+        counted(*patients, "patient")
     )]
     TooFewPatients {
         /// Those with a bend.

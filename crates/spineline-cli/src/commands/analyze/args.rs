@@ -69,9 +69,8 @@ pub struct AnalyzeArgs {
     /// Write the personalised model of one case as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// Line of action of the model that `--model` writes; `auto`: the line with the smallest error on films that were not fitted,
-    /// among the lines that take one number from each film; if no line predicts a film, the first line with a result. A message
-    /// names the line and the reason
+    /// Line of action of the model that `--model` writes. `auto` takes the line with the smallest error on films that were not fitted,
+    /// among the lines that take one number from each film. If no line predicts a film, it takes the first line with a result
     #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = AUTO)]
     pub model_line: ModelLine,
     /// Print all tables after the answers
@@ -83,8 +82,8 @@ pub struct AnalyzeArgs {
     /// Draw figures as SVG into this folder
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
-    /// Analyse one part of the cases, such as 3/8 for the third of eight, as jobs on a cluster do; `spineline merge` puts their tables
-    /// together. Outputs have the form of a cohort
+    /// Analyse one part of the cases, such as 3/8 for the third of eight, in a job of a cluster; `spineline merge` joins the tables of
+    /// all parts. Outputs have the form of a cohort
     #[arg(long, value_name = "PART/PARTS")]
     pub shard: Option<Shard>,
     /// Threads for a cohort and for replicates; 0: all cores. The number does not change the results

@@ -29,7 +29,7 @@ A table has one reading per row, commas, semicolons or tabs between them (decima
   synthetic  true or false; this column may be absent
 
 Examples:
-  spineline reliability cases/ --figure out/agreement
+  spineline reliability cases/ --figures out/agreement
   spineline reliability readings.csv --json out/reliability.json";
 
 #[derive(Args)]
@@ -45,7 +45,7 @@ pub struct ReliabilityArgs {
     csv: Option<PathBuf>,
     /// Draw Bland-Altman plots as SVG into this folder
     #[arg(long, value_name = "DIR")]
-    figure: Option<PathBuf>,
+    figures: Option<PathBuf>,
     /// Print all statistics of every quantity and design
     #[arg(long)]
     full: bool,
@@ -65,7 +65,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
     let provenance = provenance.of_cases(case_ids);
     // The readings of a quantity leave memory when their statistics are made.
-    let assess = |quantity: RatedQuantity| assessed(&quantity, args.figure.is_some());
+    let assess = |quantity: RatedQuantity| assessed(&quantity, args.figures.is_some());
     let found: Vec<QuantityReliability> = quantities.into_iter().map(assess).collect();
     if let Some(path) = &args.json {
         let file = ReliabilityFile::new(&found, synthetic, &generator())
@@ -76,7 +76,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
         let table = statistics_table(&found, synthetic);
         outputs.attempt(path, || outputs.write_table(path, table.to_csv()?, &provenance));
     }
-    if let Some(folder) = &args.figure {
+    if let Some(folder) = &args.figures {
         outputs.attempt(folder, || draw(&found, synthetic, &provenance, folder, &outputs));
     }
     let kept = outputs.commit_and_say();
@@ -110,7 +110,7 @@ fn check_outputs(args: &ReliabilityArgs) -> Result<Outputs, Failure> {
     if let Some(path) = &args.csv {
         outputs.table(path)?;
     }
-    if let Some(folder) = &args.figure {
+    if let Some(folder) = &args.figures {
         outputs.folder(folder)?;
     }
     Ok(outputs)

@@ -43,7 +43,7 @@ const PORT: u16 = 8765;
 /// Start the browser app
 #[derive(Debug, Clone, Args)]
 pub struct ServeArgs {
-    /// Store of studies, created if it does not exist; or a case, whose study is kept in a store beside it
+    /// Store of studies, created if it does not exist; or a case: a store beside it keeps its study
     #[arg(default_value = "studies.spineline", value_name = "STORE|CASE")]
     store: PathBuf,
 

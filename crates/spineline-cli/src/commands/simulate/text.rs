@@ -42,12 +42,13 @@ fn subject(outcome: &Outcome) -> String {
 /// The loads, and what is searched for.
 fn target(outcome: &Outcome) -> Section {
     let mut section = Section::new("target", "");
+    let times = match outcome.response.goal {
+        Goal::FullLoad => "",
+        Goal::LateralTilt(_) => ", times the factor below",
+    };
     for (number, load) in outcome.loads.loads.iter().enumerate() {
-        section.paragraph(format!(
-            "Load {}: {}",
-            number + 1,
-            load.words(outcome.model.force_unit())
-        ));
+        let words = load.words(outcome.model.force_unit());
+        section.paragraph(format!("Load {}{times}: {words}", number + 1));
     }
     if !outcome.model.absolute {
         let text = "Forces are relative to the nominal stiffness, not newtons: no force was measured for this model";
@@ -56,10 +57,10 @@ fn target(outcome: &Outcome) -> Section {
     section.paragraph(match outcome.response.goal {
         Goal::FullLoad => "Target: the shape under these loads".to_owned(),
         Goal::LateralTilt(tilt) => format!(
-            "Target: the factor of the proportional loads for a {} of {}, up to {} in either direction",
+            "Target: the factor of the loads for a {} of {}; factors up to {} in either direction are tried",
             outcome.tables().lateral_tilt(),
             tilt.leaning(),
-            fixed(outcome.response.largest_factor, 4)
+            fixed(outcome.response.largest_factor, 1)
         ),
     });
     section
@@ -75,9 +76,9 @@ fn ending(outcome: &Outcome) -> Section {
 /// The shape that is the result.
 fn shape(outcome: &Outcome, result: &Equilibrium) -> Section {
     let (mut section, tables) = (Section::new("shape", ""), outcome.tables());
-    section.table(tables.numbers(result));
     section.table(tables.forces(result));
     section.table(tables.angles());
+    section.table(tables.numbers(result));
     section
 }
 

@@ -83,7 +83,7 @@ pub enum StudyCommand {
         #[arg(long, value_name = "NAME")]
         observer: String,
     },
-    /// End the washout of readings that a clock which was ahead has dated into the future; the log says who did it
+    /// End the washout of readings that a wrong clock dated into the future; the log says who did it
     Release {
         /// File of the store
         store: PathBuf,

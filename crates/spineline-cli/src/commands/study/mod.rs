@@ -79,7 +79,7 @@ fn plan(
     let readings = store.reading_plan(&study, &observers, design, &mut system_random, by);
     let readings = readings.map_err(fail)?;
     print(format!(
-        "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.",
+        "Planned {}: every observer reads every film {}, {} apart, each time in a random order{}.",
         counted(readings, "reading"),
         counted(design.repeats, "time"),
         counted(design.washout_days, "day"),
