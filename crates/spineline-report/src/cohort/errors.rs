@@ -225,7 +225,7 @@ fn baselines(cohort: &Cohort) -> Table {
         add.numbers("Films predicted", |(.., films, _)| films.to_string());
         add.words("Location error (mm, 95 %)", |(.., errors)| mean_words(errors, 1));
     });
-    table.note = "The rotations and the scale of the film are fitted to the top vertebra. Lines that know its location alone stand in other tables. A model with a smaller error is worth its parameters.".to_owned();
+    table.note = "The rotations and the scale of the film are fitted to the top vertebra; lines with its tilt take the published or the given distribution of rotations. Lines that know its location alone stand in other tables. A model with a smaller error is worth its parameters.".to_owned();
     table
 }
 
@@ -245,6 +245,6 @@ fn against_baselines(cohort: &Cohort) -> Table {
         add.numbers("Holm p", |test| p_value(test.holm_p));
         add.words("The line is", |test| test.outcome().to_string());
     });
-    table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise or with a whole interval above zero. With tilt: both know the tilt of the top vertebra. Without it the estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
+    table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise or with a whole interval above zero. With tilt: both know the tilt of the top vertebra, and lines the published or the given distribution of rotations. Without it the estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
     table
 }

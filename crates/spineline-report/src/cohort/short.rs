@@ -143,7 +143,7 @@ fn comparisons(cohort: &Cohort) -> Table {
         add.numbers("Holm p", |row| p_value(row.holm_p));
     });
     table.note = format!(
-        "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. With tilt: the tilt of the top vertebra is known to both. † not fair: the estimated line takes two numbers more from each film.",
+        "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. With tilt: both know the tilt of the top vertebra, and the line the published or the given distribution of rotations. † not fair: the estimated line takes two numbers more from each film.",
         Resampling::FEWEST
     );
     table

@@ -231,7 +231,9 @@ impl BaselinesOverPatients {
         }
         let lines = errors_words(self.lines_with_tilt.iter(), role, |kind| kind.to_string());
         if let Some((best, words)) = self.best(role, true).zip(baselines(true)) {
-            let lines = lines.map_or_else(String::new, |lines| format!("; by lines: {lines}"));
+            let lines = lines.map_or_else(String::new, |lines| {
+                format!("; by lines, with the published or the given distribution: {lines}")
+            });
             all.push(format!("With the tilt of the top vertebra too: {words}{lines}."));
             all.extend(self.tests_against(best).filter_map(line_sentence));
         }
