@@ -67,12 +67,12 @@ a.plot.errors()
 plt.show()
 
 # %% [markdown]
-# How good is that? Of all predictions without mechanics (grey), only the one that also takes the tilt of T2 is as good as the inflection line: see
-# [Is this line believable?](3_is_this_line_believable.md).
+# How good is that? The inflection line is nearer than every prediction without mechanics (grey) from the location of T2: see
+# [Is this line believable?](3_is_this_line_believable.md). `with_tilt=True` compares predictions that know the tilt of T2 too.
 
 # %%
 ax = a.plot.predictions()
-assert {label.get_text() for label in ax.get_yticklabels()[:2]} == {"inflection line", "rotation prior with tilt"}
+assert ax.get_yticklabels()[0].get_text() == "inflection line"
 plt.show()
 
 # %% [markdown]

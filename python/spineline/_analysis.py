@@ -66,7 +66,7 @@ class MethodOptions(TypedDict, total=False):
     prior: str | float
     """``"none"``, ``"in-vivo"``, or a standard deviation of ln."""
     rotation_prior: str | os.PathLike[str]
-    """File of ``spineline learn-prior``: joint rotations of other patients, for predictions without mechanics."""
+    """File of ``spineline learn-prior``: joint rotations of other patients, for predictions without mechanics or with the tilt of T2."""
     stiffness: str | os.PathLike[str]
     """Table to start from: ``"motion-segments"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, ``"coupled"``, or a file."""
     inflections: str | Sequence[str]

@@ -22,6 +22,8 @@ _LINES = {
     "given_line": ("#CC79A7", "solid"),
 }
 _OTHER_LINE = ("#56B4E9", "solid")
+# Predictions without mechanics that know the tilt of T2.
+_WITH_TILT = ("rotation_prior_with_tilt", "learned_with_tilt", "cubic")
 
 
 class Plot:
@@ -124,15 +126,18 @@ class Plot:
         self,
         films: Literal["left_out_bend", "held_out"] = "left_out_bend",
         *,
+        with_tilt: bool = False,
         ax: Axes | None = None,
     ) -> Axes:
-        """Draws the mean location error of every model on held-out films, beside predictions without mechanics on the same
-        films, in mm. Needs matplotlib.
+        """Draws the mean location error of every model on films that were not fitted, beside predictions without mechanics on the
+        same films, in mm. Needs matplotlib.
 
         Parameters
         ----------
         films
             Bends, each left out of the fit in turn, or neutral and traction films.
+        with_tilt
+            Predictions from the location and the tilt of T2, instead of its location alone.
 
         Raises
         ------
@@ -142,17 +147,15 @@ class Plot:
         compared = self._analysis.data["comparison"]
         bars: list[tuple[float, str, str]] = []
         for line, found in compared["lines"].items():
-            error = found["errors"].get(films, {}).get("location_mm")
+            by_location = found["errors"].get(films, {}).get("location_mm")
+            error = found["with_tilt_mm"].get(films) if with_tilt else by_location
             if error is not None:
-                parameters = found["numbers"]["per_predicted_film"]
+                parameters = 1 if with_tilt else found["numbers"]["per_predicted_film"]
                 more = f" ({parameters} parameters per film)" if parameters > 1 else ""
                 bars.append((error, f"{_words(line)}{more}", _LINES.get(line, _OTHER_LINE)[0]))
-            if films in found["with_tilt_mm"]:
-                name = f"{_words(line)} with tilt of T2"
-                bars.append((found["with_tilt_mm"][films], name, _LINES.get(line, _OTHER_LINE)[0]))
         for name, by_films in compared["baselines_mm"].items():
-            if films in by_films:
-                bars.append((by_films[films], _words(name), "#999999"))
+            if films in by_films and (name in _WITH_TILT) == with_tilt:
+                bars.append((by_films[films], _words(name).removesuffix(" with tilt"), "#999999"))
         if not bars:
             raise InputError(
                 f"{self._analysis.id}: no film of the kind `{films}` is predicted",
@@ -171,7 +174,8 @@ class Plot:
         )
         ax.invert_yaxis()
         kind = "bends left out" if films == "left_out_bend" else "held-out films"
-        ax.set_xlabel(f"mean location error, {kind} (mm)")
+        tilt = " with the tilt of T2" if with_tilt else ""
+        ax.set_xlabel(f"mean location error, {kind}{tilt} (mm)")
         synthetic = " · SYNTHETIC" if self._analysis.synthetic else ""
         ax.set_title(f"{self._analysis.id}{synthetic} (grey: without mechanics)")
         return ax

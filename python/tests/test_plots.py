@@ -35,6 +35,11 @@ def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None
     names = [label.get_text() for label in ax.get_yticklabels()]
     assert "inflection line" in names and "mirrored bend" in names
     assert "estimated line (3 parameters per film)" in names
+    assert "cubic" not in names
+    with_tilt = analysis.plot.predictions(with_tilt=True)
+    names = [label.get_text() for label in with_tilt.get_yticklabels()]
+    assert {"inflection line", "estimated line", "cubic", "rotation prior"} <= set(names)
+    assert "mirrored bend" not in names
     assert "SYNTHETIC" in ax.get_title()
     widths = [bar.get_width() for bar in ax.patches]
     assert widths == sorted(widths)

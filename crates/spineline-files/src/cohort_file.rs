@@ -278,7 +278,7 @@ impl CohortFile {
                 .baselines
                 .tests
                 .iter()
-                .map(|test| baseline_test(test, test.model.key().to_owned()))
+                .map(|test| baseline_test(test, test.predictor().key()))
                 .collect(),
             hypothesis_tests: cohort
                 .baselines

@@ -1,6 +1,6 @@
 //! Loads and bases other than the lines of action, fitted and left out, over one patient or several.
 
-use spineline::analysis::{Analysis, FilmPredictor, FilmRole};
+use spineline::analysis::{Analysis, FilmRole};
 use spineline::cohort::{BaselinesOverPatients, ComparisonOutcome};
 use spineline::evaluate::Baseline;
 use spineline::hypothesis::{Hypothesis, HypothesisComparison, HypothesisScores, Role, compare};
@@ -62,7 +62,7 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
     let mut table = Table::of(caption, &hypotheses, |add| {
         add.words("Load and base", |hypothesis| hypothesis.to_string());
         for baseline in against {
-            add.words(FilmPredictor::Baseline(baseline).long_name(), |hypothesis| {
+            add.words(baseline.long_name(), |hypothesis| {
                 let found = tests().find(|t| t.model == **hypothesis && t.baseline == baseline);
                 found.map_or_else(none, |test| {
                     let mark = match test.outcome() {

@@ -66,7 +66,7 @@ pub fn cohort_tests_table(cohort: &Cohort) -> Table {
     let lines = lines.map(|test| Test::of_lines(test, cohort.synthetic));
     let baselines = cohort.baselines.tests.iter();
     let baselines = baselines
-        .map(|test| Test::against_baseline(test, test.model.key().to_owned(), cohort.synthetic));
+        .map(|test| Test::against_baseline(test, test.predictor().key(), cohort.synthetic));
     let hypotheses = cohort.baselines.hypothesis_tests.iter();
     let hypotheses =
         hypotheses.map(|test| Test::against_baseline(test, test.model.key(), cohort.synthetic));

@@ -24,10 +24,10 @@ const SEED: u64 = 1;
 
 pub const EXAMPLES: &str = "\
 A mean rotation per joint, and how the rotations vary together. `analyze --rotation-prior FILE` then predicts the bends of other patients \
-from it, without mechanics: a model is worth its parameters where it predicts better. The errors that this command prints are of patients \
+from it, without mechanics and, with the tilt of T2, by lines and loads: a model is worth its parameters where it predicts better. The errors that this command prints are of patients \
 who were left out.
 
-A cohort needs no file: `analyze` predicts each of its patients from the others.
+A cohort needs no file for predictions without mechanics: `analyze` predicts each of its patients from the others.
 
 Examples:
   spineline learn-prior cases/ --out prior.json

@@ -94,9 +94,9 @@ struct FilmRecord {
     role: String,
     /// By line; `null` where it has no result.
     location_mm: BTreeMap<String, Option<f64>>,
-    /// By line, predicted from T2's location and tilt; empty for fitted films.
+    /// By line, predicted from T2's location and tilt, `null` where it has no result; empty for fitted films.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    with_tilt_mm: BTreeMap<String, f64>,
+    with_tilt_mm: BTreeMap<String, Option<f64>>,
     /// Predictions without mechanics, by pattern of joint rotations; empty for fitted films.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     baselines: BTreeMap<String, BaselineRecord>,
@@ -215,7 +215,7 @@ fn against_baselines(analysis: &Analysis) -> Vec<AgainstRecord> {
     }
     let all = BaselinesOverPatients::of_patient(analysis);
     let lines = all.tests.iter();
-    let lines = lines.filter_map(|test| record(&all, test, test.model.key().to_owned()));
+    let lines = lines.filter_map(|test| record(&all, test, test.predictor().key()));
     let hypotheses = all.hypothesis_tests.iter();
     lines.chain(hypotheses.filter_map(|test| record(&all, test, test.model.key()))).collect()
 }
@@ -257,8 +257,10 @@ fn film(
         let mm = simulation.as_ref().map(|found| found.shape.mean_location_error_mm());
         (line.kind.key().to_owned(), mm)
     });
-    let with_tilt = found.lines.iter().zip(&film.with_tilt).filter_map(|(line, shape)| {
-        Some((line.kind.key().to_owned(), shape.as_ref()?.mean_location_error_mm()))
+    let predicted = found.lines.iter().zip(&film.with_tilt);
+    let with_tilt = predicted.filter(|_| film.role != FilmRole::Fitted).map(|(line, shape)| {
+        let mm = shape.as_ref().map(|shape| shape.mean_location_error_mm());
+        (line.kind.key().to_owned(), mm)
     });
     FilmRecord {
         posture: film.posture,

@@ -311,7 +311,7 @@ pub const OPTIONS: [MethodOption; 18] = [
     MethodOption {
         name: "rotation_prior",
         title: "Distribution of joint rotations",
-        help: "Distribution of joint rotations that `spineline learn-prior` learned from other patients, for the predictions without mechanics that models are compared with [default: published mobilities]",
+        help: "Distribution of joint rotations that `spineline learn-prior` learned from other patients, for predictions without mechanics and, with the tilt of T2, for lines and loads [default: published mobilities]",
         value_name: "FILE",
         values: OptionValues::Named(Vec::new),
         may_repeat: false,

@@ -1,6 +1,6 @@
 //! Errors of the models over a cohort, by kind of film, and every test between the lines.
 
-use spineline::analysis::{FilmPredictor, FilmRole};
+use spineline::analysis::FilmRole;
 use spineline::cohort::{Cohort, ErrorKind, MissingResult};
 use spineline::number::{p_value, with_sd};
 
@@ -208,15 +208,15 @@ fn family(cohort: &Cohort) -> Table {
 fn baselines(cohort: &Cohort) -> Table {
     let found = &cohort.baselines;
     let baselines = found.errors.iter().map(|errors| {
-        let name = FilmPredictor::Baseline(errors.by).to_string();
-        (name, errors.by.knows_tilt(), errors.role, errors.films, &errors.location_mm)
+        let tilt = errors.by.knows_tilt();
+        (errors.by.to_string(), tilt, errors.role, errors.films, &errors.location_mm)
     });
     let lines = found.lines_with_tilt.iter().map(|errors| {
         (errors.by.to_string(), true, errors.role, errors.films, &errors.location_mm)
     });
     let title = "Predictions without mechanics, and lines with the tilt of the top vertebra";
     let mut table = Table::of(title, baselines.chain(lines), |add| {
-        add.words("Joint rotations without mechanics, or line", |(name, ..)| name.clone());
+        add.words("Prediction", |(name, ..)| name.clone());
         add.words("Known of the top", |(_, tilt, ..)| {
             if *tilt { "location, tilt" } else { "location" }.to_owned()
         });
@@ -225,16 +225,15 @@ fn baselines(cohort: &Cohort) -> Table {
         add.numbers("Films predicted", |(.., films, _)| films.to_string());
         add.words("Location error (mm, 95 %)", |(.., errors)| mean_words(errors, 1));
     });
-    table.note = "The rotations and the scale of the film are fitted to the top vertebra; lines with its tilt take the published or the given distribution of rotations. Lines that know its location alone stand in other tables. A model with a smaller error is worth its parameters.".to_owned();
+    table.note = "Each prediction and the scale of the film are fitted to the top vertebra. Lines that know its location alone stand in other tables; with its tilt they take the published or the given distribution of rotations. A model with a smaller error is worth its parameters.".to_owned();
     table
 }
 
 fn against_baselines(cohort: &Cohort) -> Table {
     let tests = cohort.baselines.tests.iter().filter(|test| test.holm_p.is_some());
     let mut table = Table::of("Lines against predictions without mechanics", tests, |add| {
-        add.words("Line minus rotations without mechanics", |test| {
-            let baseline = FilmPredictor::Baseline(test.baseline).long_name();
-            format!("{} – {baseline}", line_in_short(test.model))
+        add.words("Line minus prediction without mechanics", |test| {
+            format!("{} – {}", line_in_short(test.model), test.baseline.long_name())
         });
         add.words("Films", |test| test.role.to_string());
         add.numbers("Patients", |test| test.comparison.patients().to_string());
@@ -245,6 +244,6 @@ fn against_baselines(cohort: &Cohort) -> Table {
         add.numbers("Holm p", |test| p_value(test.holm_p));
         add.words("The line is", |test| test.outcome().to_string());
     });
-    table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise or with a whole interval above zero. With tilt: both know the tilt of the top vertebra, and lines the published or the given distribution of rotations. Without it the estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
+    table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise or with a whole interval above zero. With tilt: both know the tilt of the top vertebra. Without it the estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
     table
 }

@@ -1,6 +1,6 @@
 //! The first screen of a cohort: which line, how sure, what next.
 
-use spineline::analysis::{FilmPredictor, FilmRole};
+use spineline::analysis::FilmRole;
 use spineline::cohort::{
     BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
 };
@@ -83,10 +83,7 @@ fn sure(cohort: &Cohort) -> String {
     let better: Vec<String> = against
         .iter()
         .filter(|test| test.is_better() && test.is_fair())
-        .map(|test| {
-            let tilt = if test.baseline.knows_tilt() { " with tilt" } else { "" };
-            format!("the {}{tilt} on {}", test.model, test.role)
-        })
+        .map(|test| format!("the {} on {}", test.predictor().long_name(), test.role))
         .collect();
     let baselines = match (against.is_empty(), better.is_empty()) {
         (true, _) => String::new(),
@@ -128,10 +125,12 @@ fn comparisons(cohort: &Cohort) -> Table {
             let what = format!("{first} – {second}{dagger}");
             tests.push(Compared { role, what, test: &test.comparison, holm_p: test.holm_p });
         }
-        for test in against_best(cohort, role) {
+        // One screen has room for the tilt on bends.
+        let is_shown =
+            |test: &&BaselineTest| role == FilmRole::LeftOutBend || !test.baseline.knows_tilt();
+        for test in against_best(cohort, role).filter(is_shown) {
             let dagger = if test.is_fair() { "" } else { " †" };
-            let baseline = FilmPredictor::Baseline(test.baseline).long_name();
-            let what = format!("{} – {baseline} *{dagger}", test.model);
+            let what = format!("{} – {} *{dagger}", test.model, test.baseline.long_name());
             tests.push(Compared { role, what, test: &test.comparison, holm_p: test.holm_p });
         }
     }
@@ -143,7 +142,7 @@ fn comparisons(cohort: &Cohort) -> Table {
         add.numbers("Holm p", |row| p_value(row.holm_p));
     });
     table.note = format!(
-        "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. With tilt: both know the tilt of the top vertebra, and the line the published or the given distribution of rotations. † not fair: the estimated line takes two numbers more from each film.",
+        "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. With tilt: both know the tilt of the top vertebra. † not fair: the estimated line takes two numbers more from each film.",
         Resampling::FEWEST
     );
     table

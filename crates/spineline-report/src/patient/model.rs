@@ -286,14 +286,9 @@ pub fn by_line(analysis: &Analysis) -> Table {
     let place = |by| found.lines.iter().position(|line| by == FilmPredictor::Line(line.kind));
     let mut table = Table::of("Every line on the films with a result", rows, |add| {
         add.words("Films", |(_, role, _)| role.to_string());
-        add.words("Line of action", |(by, ..)| by.long_name());
-        add.words("Evidence", |(by, role, _)| {
-            let evidence = match by {
-                FilmPredictor::Baseline(_) => "without mechanics",
-                _ if *role == FilmRole::Fitted => "none: fitted",
-                _ => "prediction",
-            };
-            evidence.to_owned()
+        add.words("Prediction", |(by, ..)| {
+            let mark = if by.is_line() { "" } else { "* " };
+            format!("{mark}{}", by.long_name())
         });
         add.numbers("Films", |&(by, role, _)| {
             format!("{} of {}", found.predicted_films(by, role), found.count(role))
@@ -311,7 +306,9 @@ pub fn by_line(analysis: &Analysis) -> Table {
             None => format!("{} per film", taken(by)),
         });
     });
-    table.note = BAND_COVERAGE.to_owned();
+    table.note = format!(
+        "* without mechanics. Errors on fitted bends are not evidence for a line. {BAND_COVERAGE}"
+    );
     table
 }
 

@@ -12,6 +12,8 @@ use crate::document::{Figure, Section, Table};
 use crate::figures;
 use crate::phrases::{no_model, none, sentence_case};
 
+/// Columns of errors that a page has room for, each with its band.
+const MOST_ERRORS: usize = 3;
 /// Multipliers that are shown one by one; of more, the smallest and the largest.
 const MOST_MULTIPLIERS: usize = 4;
 
@@ -191,60 +193,65 @@ fn next(patient: &Patient<'_>) -> String {
 fn table(analysis: &Analysis) -> Table {
     let compared = analysis.comparison();
     let bands = analysis.bands();
-    // A prediction with the tilt of the top has the name of the one without.
-    let mut rows: Vec<(String, Vec<FilmPredictor>)> = Vec::new();
+    let columns = [
+        ("Left-out bends (mm)", FilmRole::LeftOutBend, false),
+        ("With tilt (mm)", FilmRole::LeftOutBend, true),
+        ("Neutral, traction (mm)", FilmRole::HeldOut, false),
+        ("With tilt (mm)", FilmRole::HeldOut, true),
+    ];
+    let error_mm = |by: FilmPredictor, (_, role, with_tilt): (&str, FilmRole, bool)| {
+        compared.error_mm(by, role).filter(|_| by.knows_tilt() == with_tilt)
+    };
+    let has_numbers = |&of: &_| compared.predictors().any(|by| error_mm(by, of).is_some());
+    let columns = columns.into_iter().filter(has_numbers).take(MOST_ERRORS).collect::<Vec<_>>();
+    // A prediction with the tilt of the top has the row of the one without.
+    let mut rows: Vec<(FilmPredictor, Vec<FilmPredictor>)> = Vec::new();
     for by in compared.predictors() {
-        let has_result = |&role: &FilmRole| compared.error_mm(by, role).is_some();
-        match rows.iter_mut().find(|(name, _)| *name == by.to_string()) {
+        let is_shown = by.is_line() || columns.iter().any(|&of| error_mm(by, of).is_some());
+        match rows.iter_mut().find(|(row, _)| *row == by.without_tilt()) {
             Some((_, same)) => same.push(by),
-            None if by.is_line() || FilmRole::PREDICTED.iter().any(has_result) => {
-                rows.push((by.to_string(), vec![by]));
-            }
+            None if is_shown => rows.push((by.without_tilt(), vec![by])),
             None => {}
         }
     }
     let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| fixed(mm, 1));
     let title = "Mean location errors on films that were not fitted";
     let mut table = Table::of(title, rows, |add| {
-        add.words("Prediction", |(name, same)| prediction_words(analysis, name, same[0]));
-        add.words("Bends", |(_, same)| match same[0] {
+        add.words("Prediction", |(row, _)| prediction_words(analysis, *row));
+        add.words("Bends", |(row, _)| match row {
             FilmPredictor::Line(kind) => {
-                analysis.model(kind).map_or_else(none, |model| outcome(analysis, model))
+                analysis.model(*kind).map_or_else(none, |model| outcome(analysis, model))
             }
             _ => none(),
         });
-        for (head, role, with_tilt) in [
-            ("Left-out bends (mm)", FilmRole::LeftOutBend, false),
-            ("With tilt (mm)", FilmRole::LeftOutBend, true),
-            ("Neutral, traction (mm)", FilmRole::HeldOut, false),
-        ] {
-            let by = move |same: &[FilmPredictor]| {
-                same.iter().copied().find(|by| by.knows_tilt() == with_tilt)
+        for of @ (head, role, _) in columns {
+            let shown = move |same: &[FilmPredictor]| {
+                same.iter().find_map(|&by| Some((by, error_mm(by, of)?)))
             };
-            add.numbers(head, move |(_, same)| {
-                mm(by(same).and_then(|by| compared.error_mm(by, role)))
-            });
+            add.numbers(head, move |(_, same)| mm(shown(same).map(|(_, mm)| mm)));
             add.numbers("95 % band (± mm)", move |(_, same)| {
-                mm(by(same).and_then(|by| bands.mean_radius_mm(by, role)))
+                mm(shown(same).and_then(|(by, _)| bands.mean_radius_mm(by, role)))
             });
         }
     });
     table.note =
-        "Bends: test of a single force along the line. With tilt: the tilt of the top vertebra is known too. * without mechanics. † without tilt, two numbers more per film. 95 % band: mean radius."
+        "With tilt: the tilt of the top is known too. * without mechanics. † two more numbers per film."
             .to_owned();
     table
 }
 
 /// The name of a prediction with the marks of the table's note.
-fn prediction_words(analysis: &Analysis, name: &str, by: FilmPredictor) -> String {
+fn prediction_words(analysis: &Analysis, by: FilmPredictor) -> String {
     let numbers = |kind: LineKind| {
         let line = analysis.comparison().lines.iter().find(|line| line.kind == kind);
         line.map_or(1, |line| line.numbers.per_predicted_film)
     };
     match by {
-        FilmPredictor::Line(kind) if numbers(kind) > 1 => format!("{} †", sentence_case(name)),
-        by if by.is_line() => sentence_case(name),
-        _ => format!("* {name}"),
+        FilmPredictor::Line(kind) if numbers(kind) > 1 => {
+            format!("{} †", sentence_case(&kind.to_string()))
+        }
+        by if by.is_line() => sentence_case(&by.to_string()),
+        _ => format!("* {by}"),
     }
 }
 

@@ -1,6 +1,6 @@
 //! One patient as a terminal shows it: the answers on one screen, and all numbers behind them.
 
-use spineline::analysis::{Analysis, BAND_COVERAGE};
+use spineline::analysis::Analysis;
 
 use super::short::on_terminal;
 use super::verdict::sentences;
@@ -35,9 +35,10 @@ pub fn full(patient: &Patient<'_>) -> Document {
     let mut stiffness = Section::new("stiffness", "");
     model::multipliers_in_short(&mut stiffness, analysis);
     let mut comparison = Section::new("comparison", "");
-    let note =
-        [NUMBERS, model::other_data(compared), BAND_COVERAGE].join(" ").trim_end().to_owned();
-    comparison.table(Table { note, ..model::by_line(analysis) });
+    let mut by_line = model::by_line(analysis);
+    by_line.note =
+        [&by_line.note, NUMBERS, model::other_data(compared)].join(" ").trim_end().to_owned();
+    comparison.table(by_line);
     let mut sections = vec![on_terminal(patient), verdict, films(analysis)];
     sections.extend(space::both_films(analysis));
     sections.extend(space::axial(analysis));

@@ -6,7 +6,7 @@ use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
 use spineline::number::{fixed, with_unit};
 
-use super::fair::{baseline_error, error};
+use super::fair::{baseline_error, error, error_with_tilt};
 use super::numbers::{Part, ours};
 use crate::phrases::LINES;
 
@@ -27,9 +27,14 @@ pub fn film_lengths(relative_sd: f64, rules: &[(&str, Vec<&Cohort>)]) -> Part {
                     cohorts.iter().map(|c| error(c, kind, role)).collect(),
                 );
             }
+            for kind in LINES {
+                let found = cohorts.iter().map(|c| error_with_tilt(c, kind, role));
+                add(format!("{role}, {kind} with tilt"), found.collect());
+            }
             for baseline in Baseline::ALL {
                 let found = cohorts.iter().map(|c| baseline_error(c, baseline, role));
-                add(format!("{role}, without mechanics, {baseline}"), found.collect());
+                let name = baseline.long_name();
+                add(format!("{role}, without mechanics, {name}"), found.collect());
             }
         }
     }

@@ -48,8 +48,9 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
     let document = patient::summary(&shown(&case, &analysis, ""));
     let table = tables(&document)[0].clone();
     let (compared, bands) = (analysis.comparison(), analysis.bands());
-    for (place, line) in compared.lines.iter().enumerate() {
-        let row = table.rows.iter().find(|row| row[0].eq_ignore_ascii_case(&line.kind.to_string()));
+    for line in &compared.lines {
+        let name = line.kind.to_string();
+        let row = table.rows.iter().find(|row| row[0].to_lowercase().starts_with(&name));
         let row = row.expect("a row per line");
         let model = analysis.model(line.kind).expect("a model");
         let outcome = match line.kind {
@@ -58,11 +59,15 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
         };
         assert_eq!(row[1], outcome);
         let shown = |mm: Option<f64>| mm.map_or("–".to_owned(), |mm| fixed(mm, 1));
-        for (cell, role) in [(2, FilmRole::LeftOutBend), (4, FilmRole::HeldOut)] {
-            let mm = compared.errors(place, role).map(|errors| errors.location_mm);
-            assert_eq!(row[cell], shown(mm));
-            let radius = bands.mean_radius_mm(FilmPredictor::Line(line.kind), role);
-            assert_eq!(row[cell + 1], shown(radius));
+        let (location, tilt) =
+            (FilmPredictor::Line(line.kind), FilmPredictor::LineWithTilt(line.kind));
+        for (cell, by, role) in [
+            (2, location, FilmRole::LeftOutBend),
+            (4, tilt, FilmRole::LeftOutBend),
+            (6, location, FilmRole::HeldOut),
+        ] {
+            assert_eq!(row[cell], shown(compared.error_mm(by, role)));
+            assert_eq!(row[cell + 1], shown(bands.mean_radius_mm(by, role)));
         }
     }
     assert!(table.rows.iter().any(|row| row[0].starts_with("* ")), "a row without mechanics");

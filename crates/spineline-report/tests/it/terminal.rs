@@ -157,7 +157,6 @@ fn every_error_force_and_multiplier_is_shown() {
     for (place, line) in compared.lines.iter().enumerate() {
         for role in FilmRole::ALL {
             let errors = compared.errors(place, role).expect("all films are there");
-            let evidence = if role == FilmRole::Fitted { "none: fitted" } else { "prediction" };
             let numbers = match role {
                 FilmRole::Fitted => format!("= {} fitted", line.numbers.fitted()),
                 _ => format!("{} per film", line.numbers.per_predicted_film),
@@ -166,7 +165,6 @@ fn every_error_force_and_multiplier_is_shown() {
             let cells = [
                 role.to_string(),
                 line.kind.to_string(),
-                evidence.to_owned(),
                 format!("{} of {}", errors.films, compared.count(role)),
                 fixed(errors.location_mm, 2),
                 radius.map_or("–".to_owned(), |mm| fixed(mm, 1)),
@@ -223,7 +221,7 @@ fn requested_loads_and_bases_are_shown() {
                 deg(Role::LeftOut),
                 number(one.against),
                 format!("{} {}", signed(one.aicc_difference, 0), signed(one.bic_difference, 0)),
-                format!("{}, {} {}", one.best_left_out, one.best_aicc, one.lost),
+                format!("{} {} {}", one.best_left_out, one.best_aicc, one.lost),
             ],
         );
     }

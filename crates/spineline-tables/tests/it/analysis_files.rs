@@ -172,7 +172,7 @@ fn tests_of_a_cohort() {
         let found = &test.comparison;
         let start = format!(
             "{},{},true,{},location_mm,mm,{},{},,{},",
-            test.model.key(),
+            test.predictor().key(),
             test.baseline.key(),
             test.role.key(),
             found.patients(),

@@ -1,6 +1,6 @@
 //! The fits and predictions that compare the lines of one patient.
 
-use super::models::{FitTask, bending_loads, fit_model, geometric_line, settings_of};
+use super::models::{FitTask, bending_loads, fit_model, free_load, geometric_line, settings_of};
 use super::{
     Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, FreeNumbers, LeftOutBend,
     LineModel, LinesCompared,
@@ -13,7 +13,6 @@ use crate::evaluate::{
 };
 use crate::measure::Outline;
 use crate::multibody::Load;
-use crate::personalize::estimate::components_of;
 use crate::personalize::{Base, FitStatus, FitTarget};
 use crate::warning::Warnings;
 
@@ -43,15 +42,15 @@ impl Analysis {
             };
             let predicted = self.movement.film(posture).filter(|_| role != FilmRole::Fitted);
             let predicted = predicted.filter(|film| self.has_lengths(&film.outline));
+            let rotations = predicted.map(|film| self.rotation_prior(&film.outline));
+            let with_tilt = |line: &LineModel| {
+                self.predicted_with_tilt(line.kind, models, predicted?, rotations.as_ref()?)
+            };
             ComparedFilm {
                 posture,
                 role,
                 simulations: self.models.iter().map(simulation).collect(),
-                with_tilt: self
-                    .models
-                    .iter()
-                    .map(|line| self.predicted_with_tilt(by_line(line)?, predicted?))
-                    .collect(),
+                with_tilt: self.models.iter().map(with_tilt).collect(),
                 baselines: predicted.map_or_else(Vec::new, |film| self.baselines(&film.outline)),
             }
         };
@@ -74,8 +73,15 @@ impl Analysis {
         [film, erect].iter().all(|one| one.scale.has_millimetres())
     }
 
-    /// A film by a line's model, from T2's location and tilt and the distribution of joint rotations.
-    fn predicted_with_tilt(&self, model: &LineModel, film: &FilmMovement) -> Option<FilmShape> {
+    /// A film by a line's model, from T2's location and tilt and a distribution of joint rotations.
+    fn predicted_with_tilt(
+        &self,
+        kind: LineKind,
+        models: &[LineModel],
+        film: &FilmMovement,
+        rotations: &RotationPrior,
+    ) -> Option<FilmShape> {
+        let model = models.iter().find(|model| model.kind == kind)?;
         if model.fit.status == FitStatus::NotEvaluable {
             return None;
         }
@@ -90,19 +96,20 @@ impl Analysis {
             springs: movement.springs(&model.groups),
             log_multipliers: &model.fit.log_multipliers,
             support: self.options.support,
-            rotations: &self.rotation_prior(&film.outline),
+            rotations,
             base: Base::Fixed,
             knows_tilt: true,
         };
-        let found = model.simulation(film.outline.posture).filter(|found| found.is_usable());
-        let near = found.map(|found| {
-            let force_n = found.force_n / model.fit.absolute_scale;
-            match model.kind {
-                LineKind::Estimated => components_of(&found.line, force_n).to_vec(),
-                _ => vec![force_n],
-            }
-        });
-        before.predict(&film.outline, line, movement.depth_mm(), near.as_deref())
+        let posture = film.outline.posture;
+        let starts = if line.is_some() {
+            let found = model.simulation(posture).filter(|found| found.is_usable());
+            found.map(|found| vec![found.force_n / model.fit.absolute_scale]).into_iter().collect()
+        } else {
+            // The force of a free line comes from the rotations of the film; the others' forces come from T2's location.
+            let others = models.iter().filter(|one| one.kind != LineKind::Estimated);
+            others.filter_map(|one| Some(free_load(one, posture)?.to_vec())).collect()
+        };
+        before.predict(&film.outline, line, movement.depth_mm(), starts).ok()
     }
 
     /// The distribution of rotations that was given for a film, or else the published one.

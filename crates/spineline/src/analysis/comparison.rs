@@ -112,7 +112,7 @@ pub enum FilmPredictor {
     Line(LineKind),
     /// A line, from T2's location and tilt and the distribution of joint rotations (decision 0034).
     LineWithTilt(LineKind),
-    /// Joint rotations without mechanics.
+    /// A prediction without mechanics.
     Baseline(Baseline),
 }
 
@@ -130,8 +130,23 @@ impl FilmPredictor {
     /// Its name, which says whether T2's tilt is known.
     #[must_use]
     pub fn long_name(self) -> String {
-        let tilt = if self.knows_tilt() { " with tilt" } else { "" };
-        format!("{self}{tilt}")
+        match self {
+            Self::Line(kind) => kind.to_string(),
+            Self::LineWithTilt(kind) => format!("{kind} with tilt"),
+            Self::Baseline(one) => one.long_name(),
+        }
+    }
+
+    /// The same prediction from T2's location alone, where there is one.
+    #[must_use]
+    pub const fn without_tilt(self) -> Self {
+        match self {
+            Self::LineWithTilt(kind) => Self::Line(kind),
+            Self::Baseline(Baseline::RotationPriorWithTilt) => {
+                Self::Baseline(Baseline::RotationPrior)
+            }
+            Self::Line(_) | Self::Baseline(_) => self,
+        }
     }
 
     /// Whether it is a line of action.
@@ -156,7 +171,6 @@ impl std::fmt::Display for FilmPredictor {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Line(kind) | Self::LineWithTilt(kind) => kind.fmt(f),
-            Self::Baseline(Baseline::RotationPriorWithTilt) => Baseline::RotationPrior.fmt(f),
             Self::Baseline(one) => one.fmt(f),
         }
     }

@@ -28,6 +28,7 @@ const fn mean_square_of_baseline(baseline: Baseline, is_learned: bool) -> f64 {
         Baseline::MirroredBend => 5.0,
         Baseline::PublishedMobility | Baseline::OtherPatients => 6.0,
         Baseline::RotationPrior => 1.5,
+        Baseline::LearnedWithTilt => 1.0,
         Baseline::RotationPriorWithTilt if is_learned => 1.0,
         Baseline::RotationPriorWithTilt | Baseline::Cubic => 2.5,
     }
@@ -82,12 +83,12 @@ impl Known {
     ) -> Option<PredictedFilm<'a>> {
         let covariance = match by {
             FilmPredictor::Baseline(Baseline::RotationPrior) => self.by_given_and_place.as_ref(),
-            FilmPredictor::LineWithTilt(_)
-            | FilmPredictor::Baseline(Baseline::RotationPriorWithTilt) => {
+            FilmPredictor::LineWithTilt(_) => self.by_place_and_tilt.as_ref(),
+            FilmPredictor::Baseline(Baseline::RotationPriorWithTilt) => {
                 self.by_given_place_and_tilt.as_ref().or(self.by_place_and_tilt.as_ref())
             }
-            // Its errors depend on the form of the curve, not on joints.
-            FilmPredictor::Baseline(Baseline::Cubic) => None,
+            // The errors of a cubic depend on the form of the curve, not on joints; other patients belong to a cohort.
+            FilmPredictor::Baseline(Baseline::Cubic | Baseline::LearnedWithTilt) => None,
             FilmPredictor::Line(_)
             | FilmPredictor::Baseline(
                 Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients,

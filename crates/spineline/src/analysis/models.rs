@@ -314,16 +314,7 @@ impl Evaluation<'_> {
 
 /// The results of the fits with other lines, as free loads: the estimated line then never does much worse.
 fn hints(models: &[LineModel], bends: &[(&FilmMovement, Load)]) -> Vec<Start> {
-    let load = |model: &LineModel, posture: Posture| {
-        let simulation = model.simulation(posture).filter(|s| s.is_usable())?;
-        let mut line = simulation.line;
-        if line.application == Application::AtT2 {
-            // In equilibrium a force at T2 is one along a line through where T2 is.
-            line.point = simulation.shape.locations[simulation.joints()];
-        }
-        let force_n = simulation.force_n / model.fit.absolute_scale;
-        Some(components_of(&line, force_n).to_vec())
-    };
+    let load = |model: &LineModel, posture| Some(free_load(model, posture)?.to_vec());
     models
         .iter()
         .filter_map(|model| {
@@ -332,6 +323,17 @@ fn hints(models: &[LineModel], bends: &[(&FilmMovement, Load)]) -> Vec<Start> {
             Some(Start { log_multipliers: model.fit.log_multipliers.clone(), loads })
         })
         .collect()
+}
+
+/// A model's force on a film as a free load, before any known force scales it.
+pub(super) fn free_load(model: &LineModel, posture: Posture) -> Option<[f64; 3]> {
+    let simulation = model.simulation(posture).filter(|s| s.is_usable())?;
+    let mut line = simulation.line;
+    if line.application == Application::AtT2 {
+        // In equilibrium a force at T2 is one along a line through where T2 is.
+        line.point = simulation.shape.locations[simulation.joints()];
+    }
+    Some(components_of(&line, simulation.force_n / model.fit.absolute_scale))
 }
 
 fn contradicted(posture: &FilmMovement, simulation: &Simulation) -> Vec<ContradictedJoint> {

@@ -1,6 +1,7 @@
 //! Predictions without mechanics over many patients, and whether lines of action and other loads predict better.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 
 use super::comparison::{ComparisonOutcome, corrected_by_holm};
 use super::others::Seen;
@@ -65,6 +66,16 @@ impl BaselineTest {
     pub fn is_fair(&self) -> bool {
         self.model != LineKind::Estimated || self.baseline.knows_tilt()
     }
+
+    /// The line as it was tested.
+    #[must_use]
+    pub const fn predictor(&self) -> FilmPredictor {
+        if self.baseline.knows_tilt() {
+            FilmPredictor::LineWithTilt(self.model)
+        } else {
+            FilmPredictor::Line(self.model)
+        }
+    }
 }
 
 /// The baselines of many patients.
@@ -106,12 +117,12 @@ impl BaselinesOverPatients {
         Self::of(patient, &patients, &Vec::from_iter(kinds))
     }
 
-    /// The prediction without mechanics with the smallest error on the films of a role, among those that know T2's tilt or those that do
-    /// not.
+    /// The prediction without mechanics with the smallest error on the films of a role, of those that lines are tested against, with or
+    /// without T2's tilt.
     #[must_use]
     pub fn best(&self, role: FilmRole, with_tilt: bool) -> Option<&PredictionErrors> {
         let of_role = self.errors.iter().filter(|one| one.role == role);
-        let same = of_role.filter(|one| one.by.knows_tilt() == with_tilt);
+        let same = of_role.filter(|one| one.by.is_tested() && one.by.knows_tilt() == with_tilt);
         same.min_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()))
     }
 
@@ -183,7 +194,7 @@ fn tests<Model: Copy + Sync>(
             films
         })
     };
-    let cells = || in_roles(&Baseline::ALL);
+    let cells = || in_roles(&Baseline::ALL).filter(|(one, _)| one.is_tested());
     let pairs = models.iter().flat_map(|&model| cells().map(move |cell| (model, cell)));
     let (pairs, films): (Vec<_>, Vec<usize>) =
         pairs.map(|pair| (pair, count(pair))).filter(|(_, films)| *films > 0).unzip();
@@ -215,25 +226,23 @@ impl BaselinesOverPatients {
     fn of_role(&self, role: FilmRole) -> Vec<String> {
         let baselines = |with_tilt| {
             let known = self.errors.iter().filter(move |one| one.by.knows_tilt() == with_tilt);
-            errors_words(known, role, |by| FilmPredictor::Baseline(by).to_string())
+            errors_words(known, role)
         };
         let mut all = Vec::new();
         if let Some((best, words)) = self.best(role, false).zip(baselines(false)) {
             all.push(format!("{}, predicted without mechanics: {words}.", films_words(role)));
             all.extend(self.tests_against(best).filter_map(line_sentence));
             let mut tests = self.tests_against(best).peekable();
-            if tests.peek().is_some() && !tests.any(BaselineTest::is_better) {
+            if tests.peek().is_some() && !tests.any(|test| test.is_fair() && test.is_better()) {
                 all.push(format!(
-                    "No line predicts them significantly better than {}: these films are not evidence that a prediction needs mechanics.",
+                    "No line with one number from each film predicts them significantly better than {}: these films are not evidence that a prediction needs mechanics.",
                     best.by
                 ));
             }
         }
-        let lines = errors_words(self.lines_with_tilt.iter(), role, |kind| kind.to_string());
+        let lines = errors_words(self.lines_with_tilt.iter(), role);
         if let Some((best, words)) = self.best(role, true).zip(baselines(true)) {
-            let lines = lines.map_or_else(String::new, |lines| {
-                format!("; by lines, with the published or the given distribution: {lines}")
-            });
+            let lines = lines.map_or_else(String::new, |lines| format!("; by lines: {lines}"));
             all.push(format!("With the tilt of the top vertebra too: {words}{lines}."));
             all.extend(self.tests_against(best).filter_map(line_sentence));
         }
@@ -264,7 +273,8 @@ impl BaselinesOverPatients {
             .collect();
         (!parts.is_empty()).then(|| {
             format!(
-                "Other loads and bases beside {best}, {} tested: {}.",
+                "Other loads and bases beside {}, {} tested: {}.",
+                best.long_name(),
                 tests.len(),
                 parts.join("; ")
             )
@@ -273,15 +283,13 @@ impl BaselinesOverPatients {
 }
 
 /// Mean errors of some predictions of the films of a role, the smallest first.
-fn errors_words<'a, By: Copy + 'a>(
+fn errors_words<'a, By: Display + 'a>(
     all: impl Iterator<Item = &'a PredictionErrors<By>>,
     role: FilmRole,
-    name: impl Fn(By) -> String,
 ) -> Option<String> {
     let mut found: Vec<_> = all.filter(|one| one.role == role).collect();
     found.sort_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()));
-    let words =
-        |one: &&PredictionErrors<By>| format!("{} {} mm", name(one.by), fixed(one.mean_mm(), 1));
+    let words = |one: &&PredictionErrors<By>| format!("{} {} mm", one.by, fixed(one.mean_mm(), 1));
     (!found.is_empty()).then(|| listed(&found.iter().map(words).collect::<Vec<_>>()))
 }
 
@@ -289,6 +297,7 @@ fn errors_words<'a, By: Copy + 'a>(
 fn line_sentence(test: &BaselineTest) -> Option<String> {
     let difference = test.comparison.mean_difference;
     let sense = if difference < 0.0 { "smaller" } else { "larger" };
+    let more = if test.is_fair() { "" } else { " (two more numbers from each film)" };
     let verdict = match test.outcome() {
         ComparisonOutcome::Better => "is better than",
         ComparisonOutcome::Worse => "is worse than",
@@ -296,9 +305,9 @@ fn line_sentence(test: &BaselineTest) -> Option<String> {
         ComparisonOutcome::NotTested => return None,
     };
     Some(format!(
-        "There the {} {verdict} {}: its error is {sense} by {} mm (line minus baseline, {}; p {} after Holm's correction).",
+        "There the {}{more} {verdict} {}: its error is {sense} by {} mm (line minus baseline, {}; p {} after Holm's correction).",
         test.model,
-        test.baseline,
+        test.baseline.long_name(),
         fixed(difference.abs(), 1),
         test.comparison.patients_words(1.0),
         probability(test.holm_p?)

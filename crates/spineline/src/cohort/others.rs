@@ -11,13 +11,11 @@ use crate::spatial::Angle;
 const MAX_GROUPS: usize = 20;
 
 /// Baselines by the distribution of rotations over other patients.
-const LEARNED: [Baseline; 2] = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
+const LEARNED: [Baseline; 2] = [Baseline::RotationPrior, Baseline::LearnedWithTilt];
 
 /// A patient, with predictions of its films from other patients.
 pub(super) struct Seen<'a> {
     pub patient: &'a CohortPatient,
-    /// Whether the distribution of rotations over other patients replaces a published one on bends.
-    has_learned: bool,
     /// Location errors of baselines from other patients, in mm, by place of the film.
     of_others_mm: Numbers<(u8, Baseline)>,
 }
@@ -29,7 +27,7 @@ impl<'a> Seen<'a> {
         mean: Option<&[Angle]>,
         prior: Option<&RotationPrior>,
     ) -> Self {
-        // A given prior was learned elsewhere and is kept; a published one is replaced.
+        // A given prior was learned elsewhere, and a cohort learns no other.
         let prior = prior.filter(|_| !patient.has_rotation_prior);
         let mut found: Vec<(u8, BaselinePrediction)> = Vec::new();
         for place in FilmRole::PREDICTED.into_iter().flat_map(|role| patient.places(role)) {
@@ -48,14 +46,12 @@ impl<'a> Seen<'a> {
         let of_others_mm = Numbers::of(
             usable.map(|(place, one)| ((*place, one.baseline), &one.shape.location_errors_mm[..])),
         );
-        Self { patient, has_learned: prior.is_some(), of_others_mm }
+        Self { patient, of_others_mm }
     }
 
     /// Location errors of a baseline on a film by its place, in mm; `None` without a result.
     pub fn baseline_mm(&self, film: u8, baseline: Baseline) -> Option<&[f64]> {
-        let is_bend = self.patient.compared[usize::from(film)].0.bend().is_some();
-        let is_replaced = self.has_learned && is_bend && LEARNED.contains(&baseline);
-        let own = || self.patient.baseline_mm(film, baseline).filter(|_| !is_replaced);
+        let own = || self.patient.baseline_mm(film, baseline);
         self.of_others_mm.get(&(film, baseline)).or_else(own)
     }
 }

@@ -54,7 +54,7 @@ pub fn learn_rotation_prior(
     let published = |place: usize| Some(RotationPrior::published(all[place].levels));
     Ok(LearnedRotations {
         from_location_mm: errors(Baseline::RotationPrior, &of_others),
-        with_tilt_mm: errors(Baseline::RotationPriorWithTilt, &of_others),
+        with_tilt_mm: errors(Baseline::LearnedWithTilt, &of_others),
         published_with_tilt_mm: errors(Baseline::RotationPriorWithTilt, &published),
         prior,
     })

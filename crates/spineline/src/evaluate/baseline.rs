@@ -1,7 +1,7 @@
 //! Predictions without mechanics, which a model must beat to be worth its parameters.
 //!
 //! A film is predicted from a pattern of joint rotations, without forces and stiffness. As for every model, the location of T2 gives
-//! the size of the rotations and the scale of the film; one of these predictions takes T2's tilt too.
+//! the size of the rotations and the scale of the film; some of these predictions take T2's tilt too.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -24,18 +24,34 @@ named! {
         OtherPatients = "other_patients" as "mean rotations of other patients",
         /// The distribution of joint rotations over the bends of other patients.
         RotationPrior = "rotation_prior" as "distribution of rotations",
-        /// The distribution of joint rotations and, unlike all others, the tilt of T2 on the film.
-        RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations with tilt",
+        /// The published or the given distribution of joint rotations, and the tilt of T2 on the film.
+        RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations",
+        /// The distribution of joint rotations over the bends of other patients of a cohort, and the tilt of T2 on the film.
+        LearnedWithTilt = "learned_with_tilt" as "distribution learned from other patients",
         /// No spine: a cubic from L4 to T2 with the tilts of both, each vertebra at its part of the length on the erect film.
         Cubic = "cubic" as "cubic curve",
     }
 }
 
 impl Baseline {
-    /// Whether it takes the tilt of T2 from the film beside its location. Only predictions that know the tilt are compared with it.
+    /// Whether it takes the tilt of T2 from the film beside its location. It is compared with predictions that know as much of T2.
     #[must_use]
     pub const fn knows_tilt(self) -> bool {
-        matches!(self, Self::RotationPriorWithTilt | Self::Cubic)
+        matches!(self, Self::RotationPriorWithTilt | Self::LearnedWithTilt | Self::Cubic)
+    }
+
+    /// Whether lines and loads are tested against it. With T2's tilt these take the published or the given distribution of rotations,
+    /// so that a distribution of other patients knows more.
+    #[must_use]
+    pub const fn is_tested(self) -> bool {
+        !matches!(self, Self::LearnedWithTilt)
+    }
+
+    /// Its name, which says whether T2's tilt is known.
+    #[must_use]
+    pub fn long_name(self) -> String {
+        let tilt = if self.knows_tilt() { " with tilt" } else { "" };
+        format!("{self}{tilt}")
     }
 }
 

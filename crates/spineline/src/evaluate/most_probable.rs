@@ -36,7 +36,7 @@ pub(crate) struct BeforeTheFilm<'a> {
     /// Stiffness from other films.
     pub log_multipliers: &'a [f64],
     pub support: Support,
-    /// Of a bend of the same spine.
+    /// Of the joints, from the erect film.
     pub rotations: &'a RotationPrior,
     pub base: Base,
     /// Whether T2's tilt is taken from the film beside its location.
@@ -46,10 +46,8 @@ pub(crate) struct BeforeTheFilm<'a> {
 /// A film under a load of any amount.
 pub(crate) struct UnknownLoad<F> {
     pub film: F,
-    /// The largest amount of a load of one component.
+    /// The largest amount of a load of one component, in its unit.
     pub largest: f64,
-    /// Where the load may lie; without it, loads of several sizes are tried.
-    pub near: Option<Vec<f64>>,
 }
 
 /// The most probable load on a film.
@@ -64,19 +62,21 @@ pub(crate) struct MostProbable<F> {
 }
 
 impl BeforeTheFilm<'_> {
-    /// The most probable load on a film; `under` gives the film at a scale.
+    /// The most probable load on a film; `under` gives the film at a scale. The search starts from these components, or without any from
+    /// loads of several sizes.
     pub fn most_probable<F: FilmUnderLoad>(
         &self,
         film: &Outline,
+        starts: &[DVector<f64>],
         under: impl Fn(&Outline) -> Option<UnknownLoad<F>>,
     ) -> Result<MostProbable<F>, PathEnding> {
         let mut scale = film.length.scale;
-        let mut last: Option<DVector<f64>> = None;
+        let mut starts = starts.to_vec();
         for _ in 0..MAX_SCALE_ROUNDS {
             let outline = film.at_scale(scale);
             let load = under(&outline).ok_or(PathEnding::NotConverged)?;
             let mut fit = Fit::new(self, &outline, load).ok_or(PathEnding::NotConverged)?;
-            let x = fit.minimum(last.as_ref()).ok_or(PathEnding::NotConverged)?;
+            let x = fit.minimum(&starts).ok_or(PathEnding::NotConverged)?;
             let next = fit.scale(&x);
             let change = (next.factor / scale.factor).ln().abs();
             scale = next;
@@ -86,21 +86,23 @@ impl BeforeTheFilm<'_> {
                 let Fit { loaded: film, .. } = fit;
                 return Ok(MostProbable { film, outline, components, base, scale });
             }
-            last = Some(x);
+            starts = vec![x];
         }
         Err(PathEnding::NotConverged)
     }
 
-    /// A film under the most probable force along a line, or under a free load at T2 without one, from where the load may lie; `None`
-    /// without an equilibrium, or where the shape is beyond the human range of motion.
+    /// A film under the most probable force along a line, or under a free load at T2 without one. The search starts without a load and from
+    /// these components.
+    ///
+    /// # Errors
+    /// How the search ended without a result: not converged, or a shape beyond the human range of motion.
     pub fn predict(
         &self,
         film: &Outline,
         line: Option<LineOfAction>,
         depth_mm: f64,
-        near: Option<&[f64]>,
-    ) -> Option<FilmShape> {
-        let FittedSprings { model, groups, .. } = self.springs;
+        starts: Vec<Vec<f64>>,
+    ) -> Result<FilmShape, PathEnding> {
         let statics = MarchedFilm::springs(self.springs, self.log_multipliers, self.support);
         let under = |outline: &Outline| {
             let factor = film.length.scale.factor / outline.length.scale.factor;
@@ -109,16 +111,18 @@ impl BeforeTheFilm<'_> {
                 None => Load::Frontal { depth_mm },
             };
             let largest = MAX_FORCE_PER_STIFFNESS * statics.mean_lateral_nmm_per_rad();
-            let near = near.map(<[f64]>::to_vec);
-            Some(UnknownLoad { film: MarchedFilm::new(load, groups), largest, near })
+            Some(UnknownLoad { film: MarchedFilm::new(load, 0), largest })
         };
-        let found = self.most_probable(film, under).ok()?;
+        let none = DVector::zeros(if line.is_some() { 1 } else { 3 });
+        let starts: Vec<_> =
+            std::iter::once(none).chain(starts.into_iter().map(DVector::from)).collect();
+        let found = self.most_probable(film, &starts, under)?;
         let deformed = &found.film.solution().deformed;
-        if deformed.beyond_human_range(model).is_some() {
-            return None;
+        if deformed.beyond_human_range(self.springs.model).is_some() {
+            return Err(PathEnding::BeyondHumanRange);
         }
         let locations = (0..film.vertebrae.len()).map(|i| deformed.location(i)).collect();
-        Some(FilmShape::new(locations, &found.outline).in_lengths_of(&film.length, found.scale))
+        Ok(FilmShape::new(locations, &found.outline).in_lengths_of(&film.length, found.scale))
     }
 }
 
@@ -131,13 +135,13 @@ struct Fit<'s, 'a, F: FilmUnderLoad> {
     /// T2 as it was marked.
     top: Frontal,
     top_sd_mm: f64,
-    turn: TurnOfTop,
+    /// Standard deviation of T2's turn from the erect film.
+    turn_sd_rad: f64,
     /// Joint angles of the erect film plus the mean rotations of a bend, in rad.
     mean: DVector<f64>,
     base_sd_rad: f64,
     /// The limit of a load of one component, as where T2's place alone is known.
     largest: Option<f64>,
-    near: Option<Vec<f64>>,
     /// The size of a load, in rad, is the norm of this times its components.
     size: DMatrix<f64>,
 }
@@ -149,15 +153,14 @@ impl<'s, 'a, F: FilmUnderLoad> Fit<'s, 'a, F> {
         outline: &'s Outline,
         load: UnknownLoad<F>,
     ) -> Option<Self> {
-        let BeforeTheFilm { springs: FittedSprings { erect, groups, .. }, rotations, base, .. } =
-            *before;
-        let UnknownLoad { film: mut loaded, largest, near } = load;
+        let BeforeTheFilm { springs: FittedSprings { erect, .. }, rotations, base, .. } = *before;
+        let UnknownLoad { film: mut loaded, largest } = load;
         let springs = F::springs(before.springs, before.log_multipliers, before.support);
         let components = loaded.components();
         if !loaded.solve(&springs, &vec![0.0; components], Angle::ZERO, Wanted::AllRates) {
             return None;
         }
-        let size = size_factor(loaded.solution(), groups.len(), components, base.angles())?;
+        let size = size_factor(&loaded, base.angles())?;
         let angles = joint_angles(erect);
         let turned = rotations.mean_of(outline.posture, &angles);
         let mean = turned.into_iter().zip(&angles).map(|(turn, angle)| angle.rad() + turn.rad());
@@ -168,11 +171,10 @@ impl<'s, 'a, F: FilmUnderLoad> Fit<'s, 'a, F> {
             springs,
             top: outline.vertebrae.last()?.location * outline.length.scale.factor,
             top_sd_mm: outline.top_sd_mm(),
-            turn: TurnOfTop::of(erect, outline),
+            turn_sd_rad: TurnOfTop::of(erect, outline).sd.rad(),
             mean: DVector::from_iterator(angles.len(), mean),
             base_sd_rad: weights.tilt_sd_rad,
             largest: (components == 1).then_some(largest),
-            near,
             loaded,
             size,
         })
@@ -183,9 +185,9 @@ impl<'s, 'a, F: FilmUnderLoad> Fit<'s, 'a, F> {
         self.size.ncols()
     }
 
-    /// The place of an unknown among the parameters of derivatives: multipliers come first.
+    /// The place of an unknown among the parameters of derivatives.
     fn parameter(&self, unknown: usize) -> usize {
-        self.before.springs.groups.len() + unknown
+        self.loaded.first_component() + unknown
     }
 
     fn is_scaled(&self) -> bool {
@@ -205,17 +207,16 @@ impl<'s, 'a, F: FilmUnderLoad> Fit<'s, 'a, F> {
         self.loaded.split(&x.as_slice()[..self.free()])
     }
 
-    /// The most probable unknowns, from the last ones where there are any; the shape stays at them. `None` without an equilibrium, or if
-    /// a single component exceeds its limit.
-    fn minimum(&mut self, last: Option<&DVector<f64>>) -> Option<DVector<f64>> {
+    /// The most probable unknowns; the shape stays at them. `None` without an equilibrium, or if a single component exceeds its limit.
+    fn minimum(&mut self, starts: &[DVector<f64>]) -> Option<DVector<f64>> {
         let free = self.free();
         let unknowns = free + usize::from(self.is_scaled());
         let wide = DVector::from_element(unknowns, f64::INFINITY);
         let rows = self.rows();
-        let starts = match (last, &self.near) {
-            (Some(last), _) => vec![last.clone()],
-            (None, Some(near)) => vec![DVector::zeros(free), DVector::from_column_slice(near)],
-            (None, None) => starts_of_sizes(&self.size, self.loaded.components()),
+        let starts = if starts.is_empty() {
+            starts_of_sizes(&self.size, self.loaded.components())
+        } else {
+            starts.to_vec()
         };
         let mut best: Option<(f64, DVector<f64>)> = None;
         for start in starts {
@@ -249,7 +250,7 @@ impl<'s, 'a, F: FilmUnderLoad> Fit<'s, 'a, F> {
         let mut row = ROWS_OF_PLACE + self.mean.len();
         let free = self.free();
         if self.before.knows_tilt {
-            let (top, sd) = (self.mean.len(), self.turn.sd.rad());
+            let (top, sd) = (self.mean.len(), self.turn_sd_rad);
             let off = self.loaded.tilt(top) - self.outline.vertebrae[top].tilt;
             system.residuals[row] = off.wrapped().rad() / sd;
             for i in 0..free {

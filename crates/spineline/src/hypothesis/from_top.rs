@@ -17,10 +17,10 @@ impl Predictor<'_, '_> {
             base,
             knows_tilt: role == Role::LeftOutWithTilt,
         };
-        let found = before.most_probable(film.outline, |outline| {
+        let found = before.most_probable(film.outline, &[], |outline| {
             let loaded = film.at_scale_of(outline, spine).under(load, spine)?;
             let largest = largest(&loaded, log_multipliers, spine);
-            Some(UnknownLoad { film: loaded, largest, near: None })
+            Some(UnknownLoad { film: loaded, largest })
         })?;
         let MostProbable { film: loaded, outline, components, base, scale } = found;
         let at_its_scale = film.at_scale_of(&outline, spine);

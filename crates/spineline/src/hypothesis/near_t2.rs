@@ -78,7 +78,7 @@ fn nearest_t2(
     }
     let base = usize::from(hypothesis.base == Base::Free);
     let (groups, top) = (log_multipliers.len(), spine.springs.model.midpoints_mm.len() - 1);
-    let size = size_factor(loaded.solution(), groups, count, base)?;
+    let size = size_factor(loaded, base)?;
     let mut load = SeveralOnFilm { loaded, statics, unknowns: count + base, groups, top };
     let x: DVector<f64> = nearest_from_starts(&mut load, &size, count, measured)?;
     load.restart();

@@ -55,6 +55,9 @@ pub(crate) trait FilmUnderLoad {
     /// Free components of the load.
     fn components(&self) -> usize;
 
+    /// Place of the first component among the parameters of derivatives.
+    fn first_component(&self) -> usize;
+
     /// Forgets the last shape, from which the search for the next one starts.
     fn reset(&mut self);
 
@@ -126,9 +129,10 @@ pub(crate) struct MarchedFilm {
 }
 
 impl MarchedFilm {
-    pub fn new(load: Load, groups: &JointGroups) -> Self {
+    /// Derivatives are by the stiffness of this number of groups, and by the load.
+    pub fn new(load: Load, groups: usize) -> Self {
         let components = (0..load.components()).map(Parameter::Load);
-        let parameters = (0..groups.len()).map(Parameter::LogStiffness).chain(components).collect();
+        let parameters = (0..groups).map(Parameter::LogStiffness).chain(components).collect();
         Self { load, parameters, solution: Solution::default() }
     }
 }
@@ -148,6 +152,10 @@ impl FilmUnderLoad for MarchedFilm {
         self.load.components()
     }
 
+    fn first_component(&self) -> usize {
+        self.parameters.len() - self.load.components()
+    }
+
     /// The march searches nothing.
     fn reset(&mut self) {}
 
@@ -158,10 +166,9 @@ impl FilmUnderLoad for MarchedFilm {
         _: Angle,
         wanted: Wanted,
     ) -> bool {
-        let groups = self.parameters.len() - self.load.components();
         let parameters = match wanted {
             Wanted::Shape => &[],
-            Wanted::LoadRates => &self.parameters[groups..],
+            Wanted::LoadRates => &self.parameters[self.first_component()..],
             Wanted::AllRates => &self.parameters[..],
         };
         springs.solve(&self.load, components, parameters, &mut self.solution);

@@ -127,6 +127,10 @@ impl FilmUnderLoad for LoadedFilm {
         self.units.len()
     }
 
+    fn first_component(&self) -> usize {
+        self.joints.len()
+    }
+
     fn reset(&mut self) {
         self.work.hinges_mut().fill(Vec3::zeros());
     }

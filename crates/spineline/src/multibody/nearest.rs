@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::matching::{ForceMatch, ForceSign, LineForce, OneComponent, Path};
 use super::target::{NearestT2Target, T2_TOLERANCE_MM};
-use super::{Load, Solution, Statics};
+use super::{FilmUnderLoad, Load, Statics};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::spatial::Frontal;
 
@@ -94,19 +94,15 @@ pub(crate) fn nearest_from_starts(
     smallest_near_t2(minima, least_mm, |(of, _)| *of).map(|(_, components)| components)
 }
 
-/// `size² = |factor · x|²` for the components of a load and the angle of a base that may turn, whose derivatives follow those by `groups`;
-/// `None` where the components do not differ.
-pub(crate) fn size_factor(
-    unloaded: &Solution,
-    groups: usize,
-    components: usize,
-    base: usize,
-) -> Option<DMatrix<f64>> {
+/// `size² = |factor · x|²` for the components of a load on an unloaded film, and for the angles of a base that may turn; `None` where the
+/// components do not differ.
+pub(crate) fn size_factor(unloaded: &impl FilmUnderLoad, base: usize) -> Option<DMatrix<f64>> {
+    let components = unloaded.components();
+    let rates = |i| unloaded.solution().joint_rates(unloaded.first_component() + i);
     let mut squares = DMatrix::<f64>::identity(components + base, components + base);
     for a in 0..components {
         for b in 0..components {
-            let pairs = unloaded.joint_rates(groups + a).zip(unloaded.joint_rates(groups + b));
-            squares[(a, b)] = pairs.map(|(a, b)| a.dot(&b)).sum();
+            squares[(a, b)] = rates(a).zip(rates(b)).map(|(a, b)| a.dot(&b)).sum();
         }
     }
     Some(squares.cholesky()?.l().transpose())

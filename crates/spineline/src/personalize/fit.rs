@@ -60,7 +60,7 @@ pub(super) fn problem_of<'a>(
 ) -> Problem<'a, MarchedFilm> {
     let film = |film: &FitFilm<'a>| {
         let measured = JointResponses::to(&film.load, film.evidence);
-        let loaded = MarchedFilm::new(film.load, springs.groups);
+        let loaded = MarchedFilm::new(film.load, springs.groups.len());
         FilmData::new(springs, film.outline, measured, settings.regions, loaded, Base::Fixed)
     };
     Problem::new(springs, films.iter().map(film).collect(), settings, None)
