@@ -171,7 +171,7 @@ fn films_of_a_spine_that_lies_are_explained_by_a_loaded_reference() {
     }
     for ((role, posture), [with, without]) in means_mm {
         println!("{role}, {posture}: loaded {with:.2} mm, unloaded {without:.1} mm");
-        assert!(with < 0.2 && without > 1.5, "{role}, {posture}: {with} and {without} mm");
+        assert!(with < 0.25 && without > 1.0, "{role}, {posture}: {with} and {without} mm");
     }
 }
 
