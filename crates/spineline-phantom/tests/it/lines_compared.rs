@@ -11,7 +11,7 @@ use spineline::cohort::{Cohort, CohortPatient, ErrorKind, OutcomeCounts};
 use spineline::hypothesis::{Hypothesis, LoadShape, Role};
 use spineline::measure::{Corners, FilmLandmarks, FilmLengthRule};
 use spineline::multibody::Support;
-use spineline::personalize::TestOutcome;
+use spineline::personalize::{Gauge, TestOutcome};
 use spineline::spatial::Pixel;
 use spineline_phantom::{Phantom, Readers, Scenario, generate};
 
@@ -144,8 +144,16 @@ fn lines_with_the_tilt_of_the_top_agree_with_the_general_solver() {
         hypotheses: pairs.map(|(_, load)| Hypothesis::of(load)).into(),
         ..Default::default()
     };
-    for (index, scenario) in [(0, Scenario::Rod), (3, Scenario::Pull), (5, Scenario::Spread)] {
-        let case = generate(index, scenario, &Readers::default(), 1).expect("a phantom").case;
+    for (index, scenario, has_lengths) in [
+        (0, Scenario::Rod, false),
+        (0, Scenario::Rod, true),
+        (3, Scenario::Pull, true),
+        (5, Scenario::Spread, false),
+    ] {
+        let phantom = generate(index, scenario, &Readers::default(), 1).expect("a phantom");
+        // Lines move with a scale that is found.
+        let phantom = if has_lengths { phantom.with_film_lengths(0.03, index, 1) } else { phantom };
+        let case = phantom.case;
         let analysis = analyze(&case, &options).expect("a sound case");
         for (kind, load) in pairs {
             let by = FilmPredictor::LineWithTilt(kind);
@@ -154,6 +162,24 @@ fn lines_with_the_tilt_of_the_top_agree_with_the_general_solver() {
             let general = fit.expect("a fit").mean_location_error_mm(Role::LeftOutWithTilt);
             let general = general.expect("bends");
             assert!((found - general).abs() < 0.05, "{scenario}, {kind}: {found} {general} mm");
+        }
+    }
+}
+
+/// A known force scales forces and springs, and no shape.
+#[test]
+fn a_known_force_changes_no_prediction_with_the_tilt() {
+    let case = exact(1, Scenario::Rod).case;
+    let known = Gauge::KnownForce { posture: Posture::Traction, force_n: 120.0 };
+    let [ratios, known] = [Gauge::GeometricMean, known].map(|gauge| {
+        let options = AnalysisOptions { gauge, ..Default::default() };
+        analyze(&case, &options).expect("a sound case").comparison().clone()
+    });
+    for kind in [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated] {
+        for role in FilmRole::PREDICTED {
+            let by = FilmPredictor::LineWithTilt(kind);
+            let [a, b] = [&ratios, &known].map(|one| one.error_mm(by, role).expect("films"));
+            assert!((a - b).abs() < 1e-6, "{kind}, {role}: {a} and {b} mm");
         }
     }
 }
