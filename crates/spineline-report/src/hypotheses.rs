@@ -9,7 +9,7 @@ use spineline::number::{fixed, signed};
 use crate::document::{Section, Table};
 use crate::phrases::{difference_words, none};
 
-const LEGEND: &str = "Mean location errors (mm) and rotation errors of the joints (°, root mean square). Fitted: both bends. Left out: a bend, by the stiffness of the other bend and the smallest load that brings the top near; with prior: by the most probable load for the location of the top and the distribution of joint rotations; with tilt: for its tilt too; load fitted: by the load of the whole shape. Held out: neutral and traction films. Counter-rotating: joints per bend that turn against the load. AICc, BIC: less the first row. Best: patients with no smaller left-out error, or AICc, by another load. No result: films and fits.";
+const LEGEND: &str = "Mean location errors (mm) and rotation errors of the joints (°, root mean square). Fitted: both bends. Left out: a bend, by the stiffness of the other bend and the smallest load that brings the top near; with prior: by the most probable load for the location of the top and the distribution of joint rotations; with tilt: for its tilt too; load fitted: by the load of the whole shape. Held out: neutral and traction films. Counter-rotating: joints per bend that turn against the load. AICc, BIC: less the first row. Best: patients without a smaller left-out error / AICc by another load. No result: films and fits.";
 
 /// The hypotheses of one patient or several, each with whether the patient is synthetic; `None` if none was requested.
 ///
@@ -103,8 +103,7 @@ fn table(block: &HypothesisComparison, caption: String) -> Table {
         add.numbers("Counter-rotating", |one| number(one.against));
         add.numbers("AICc", |one| signed(one.aicc_difference, 0));
         add.numbers("BIC", |one| signed(one.bic_difference, 0));
-        add.numbers("Best left out", |one| one.best_left_out.to_string());
-        add.numbers("Best AICc", |one| one.best_aicc.to_string());
+        add.numbers("Best", |one| format!("{} / {}", one.best_left_out, one.best_aicc));
         add.numbers("No result", |one| one.lost.to_string());
     })
 }

@@ -221,7 +221,7 @@ fn requested_loads_and_bases_are_shown() {
                 deg(Role::LeftOut),
                 number(one.against),
                 format!("{} {}", signed(one.aicc_difference, 0), signed(one.bic_difference, 0)),
-                format!("{} {} {}", one.best_left_out, one.best_aicc, one.lost),
+                format!("{} / {} {}", one.best_left_out, one.best_aicc, one.lost),
             ],
         );
     }
