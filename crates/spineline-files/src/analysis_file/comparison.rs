@@ -1,13 +1,14 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use spineline::action::LineKind;
 use spineline::analysis::{
     Analysis, BAND_COVERAGE, BendEvidence, ComparedFilm, Compatibility, FilmBands, FilmPredictor,
     FilmRole, FreeNumbers, LinesCompared, MeanErrors,
 };
 use spineline::anatomy::{Levels, Posture};
 use spineline::cohort::{BaselineTest, BaselinesOverPatients};
-use spineline::evaluate::{Band, Baseline, BaselinePrediction};
+use spineline::evaluate::{Band, Baseline, BaselinePrediction, FilmShape};
 use spineline::personalize::TestOutcome;
 
 use super::band::BandRecord;
@@ -253,19 +254,17 @@ fn film(
     levels: Levels,
 ) -> FilmRecord {
     let band = |(by, band): &(FilmPredictor, Band)| (by.key(), BandRecord::new(band, levels));
-    let location_mm = found.lines.iter().zip(&film.simulations).map(|(line, simulation)| {
-        let mm = simulation.as_ref().map(|found| found.shape.mean_location_error_mm());
-        (line.kind.key().to_owned(), mm)
-    });
-    let predicted = found.lines.iter().zip(&film.with_tilt);
-    let with_tilt = predicted.filter(|_| film.role != FilmRole::Fitted).map(|(line, shape)| {
-        let mm = shape.as_ref().map(|shape| shape.mean_location_error_mm());
-        (line.kind.key().to_owned(), mm)
-    });
+    let by_line = |by: fn(LineKind) -> FilmPredictor| {
+        found.lines.iter().map(move |line| {
+            let mm = found.shape(film, by(line.kind)).map(FilmShape::mean_location_error_mm);
+            (line.kind.key().to_owned(), mm)
+        })
+    };
+    let with_tilt = by_line(FilmPredictor::LineWithTilt).filter(|_| film.role != FilmRole::Fitted);
     FilmRecord {
         posture: film.posture,
         role: film.role.key().to_owned(),
-        location_mm: location_mm.collect(),
+        location_mm: by_line(FilmPredictor::Line).collect(),
         with_tilt_mm: with_tilt.collect(),
         baselines: film.baselines.iter().map(baseline).collect(),
         band_95: bands.bands.iter().map(band).collect(),

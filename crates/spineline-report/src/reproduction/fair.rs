@@ -2,7 +2,7 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
-use spineline::cohort::{Cohort, ErrorKind, LinePairTest, PairedComparison};
+use spineline::cohort::{Cohort, ErrorKind, LinePairTest, PairedComparison, PredictionErrors};
 use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
 use spineline::number::{interval, probability, signed};
@@ -64,17 +64,22 @@ pub(super) fn pair_words(lines: [LineKind; 2]) -> String {
     lines.map(line_in_short).join(" − ")
 }
 
-/// Location error of a pattern of joint rotations over patients.
+/// Location error of a prediction without mechanics over patients.
 pub(super) fn baseline_error(cohort: &Cohort, baseline: Baseline, role: FilmRole) -> Cell {
-    let mut errors = cohort.baselines.errors.iter();
-    let found = errors.find(|one| one.by == baseline && one.role == role);
-    found.map_or_else(Cell::missing, |one| Cell::of(&one.location_mm.patients, 2))
+    prediction_error(&cohort.baselines.errors, baseline, role)
 }
 
 /// Location error of a line with the tilt of the top vertebra.
 pub(super) fn error_with_tilt(cohort: &Cohort, kind: LineKind, role: FilmRole) -> Cell {
-    let mut errors = cohort.baselines.lines_with_tilt.iter();
-    let found = errors.find(|one| one.by == kind && one.role == role);
+    prediction_error(&cohort.baselines.lines_with_tilt, kind, role)
+}
+
+fn prediction_error<By: PartialEq>(
+    errors: &[PredictionErrors<By>],
+    by: By,
+    role: FilmRole,
+) -> Cell {
+    let found = errors.iter().find(|one| one.by == by && one.role == role);
     found.map_or_else(Cell::missing, |one| Cell::of(&one.location_mm.patients, 2))
 }
 
