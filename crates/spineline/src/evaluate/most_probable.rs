@@ -16,8 +16,8 @@ use crate::action::LineOfAction;
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::{FilmScale, Outline};
 use crate::multibody::{
-    FilmUnderLoad, FittedSprings, Load, MAX_FORCE_PER_STIFFNESS, MarchedFilm, PathEnding, Support,
-    Wanted, size_factor, starts_of_sizes,
+    FilmUnderLoad, FittedSprings, Load, MAX_FORCE_PER_STIFFNESS, MarchedFilm, PathEnding, Statics,
+    Support, Wanted, size_factor, starts_of_sizes,
 };
 use crate::personalize::{Base, ShapeWeights};
 use crate::spatial::{Angle, Frontal};
@@ -68,14 +68,15 @@ impl BeforeTheFilm<'_> {
         &self,
         film: &Outline,
         starts: &[DVector<f64>],
-        under: impl Fn(&Outline) -> Option<UnknownLoad<F>>,
+        under: impl Fn(&Outline, &F::Springs<'_>) -> Option<UnknownLoad<F>>,
     ) -> Result<MostProbable<F>, PathEnding> {
+        let springs = F::springs(self.springs, self.log_multipliers, self.support);
         let mut scale = film.length.scale;
         let mut starts = starts.to_vec();
         for _ in 0..MAX_SCALE_ROUNDS {
             let outline = film.at_scale(scale);
-            let load = under(&outline).ok_or(PathEnding::NotConverged)?;
-            let mut fit = Fit::new(self, &outline, load).ok_or(PathEnding::NotConverged)?;
+            let load = under(&outline, &springs).ok_or(PathEnding::NotConverged)?;
+            let mut fit = Fit::new(self, &springs, &outline, load).ok_or(PathEnding::NotConverged)?;
             let x = fit.minimum(&starts).ok_or(PathEnding::NotConverged)?;
             let next = fit.scale(&x);
             let change = (next.factor / scale.factor).ln().abs();
@@ -103,14 +104,13 @@ impl BeforeTheFilm<'_> {
         depth_mm: f64,
         starts: Vec<Vec<f64>>,
     ) -> Result<FilmShape, PathEnding> {
-        let statics = MarchedFilm::springs(self.springs, self.log_multipliers, self.support);
-        let under = |outline: &Outline| {
+        let under = |outline: &Outline, springs: &Statics<'_>| {
             let factor = film.length.scale.factor / outline.length.scale.factor;
             let load = match line {
                 Some(line) => Load::along(line.scaled(factor), depth_mm),
                 None => Load::Frontal { depth_mm },
             };
-            let largest = MAX_FORCE_PER_STIFFNESS * statics.mean_lateral_nmm_per_rad();
+            let largest = MAX_FORCE_PER_STIFFNESS * springs.mean_lateral_nmm_per_rad();
             Some(UnknownLoad { film: MarchedFilm::new(load, 0), largest })
         };
         let none = DVector::zeros(if line.is_some() { 1 } else { 3 });
@@ -130,8 +130,8 @@ impl BeforeTheFilm<'_> {
 struct Fit<'s, 'a, F: FilmUnderLoad> {
     before: &'s BeforeTheFilm<'a>,
     outline: &'s Outline,
+    springs: &'s F::Springs<'a>,
     loaded: F,
-    springs: F::Springs<'a>,
     /// T2 as it was marked.
     top: Frontal,
     top_sd_mm: f64,
@@ -150,14 +150,14 @@ impl<'s, 'a, F: FilmUnderLoad> Fit<'s, 'a, F> {
     /// `None` without an equilibrium of the unloaded spine, or where components of the load do not differ.
     fn new(
         before: &'s BeforeTheFilm<'a>,
+        springs: &'s F::Springs<'a>,
         outline: &'s Outline,
         load: UnknownLoad<F>,
     ) -> Option<Self> {
         let BeforeTheFilm { springs: FittedSprings { erect, .. }, rotations, base, .. } = *before;
         let UnknownLoad { film: mut loaded, largest } = load;
-        let springs = F::springs(before.springs, before.log_multipliers, before.support);
         let components = loaded.components();
-        if !loaded.solve(&springs, &vec![0.0; components], Angle::ZERO, Wanted::AllRates) {
+        if !loaded.solve(springs, &vec![0.0; components], Angle::ZERO, Wanted::AllRates) {
             return None;
         }
         let size = size_factor(&loaded, base.angles())?;
@@ -235,13 +235,13 @@ impl<'s, 'a, F: FilmUnderLoad> Fit<'s, 'a, F> {
         }
         self.loaded.reset();
         let (components, base) = self.split(&found);
-        self.loaded.solve(&self.springs, components, base, Wanted::AllRates).then_some(found)
+        self.loaded.solve(self.springs, components, base, Wanted::AllRates).then_some(found)
     }
 
     /// Residuals and derivatives; whether an equilibrium exists.
     fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
         let (components, base) = self.split(x);
-        if !self.loaded.solve(&self.springs, components, base, Wanted::AllRates) {
+        if !self.loaded.solve(self.springs, components, base, Wanted::AllRates) {
             return false;
         }
         system.jacobian.fill(0.0);

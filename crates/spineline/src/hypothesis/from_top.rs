@@ -17,7 +17,7 @@ impl Predictor<'_, '_> {
             base,
             knows_tilt: role == Role::LeftOutWithTilt,
         };
-        let found = before.most_probable(film.outline, &[], |outline| {
+        let found = before.most_probable(film.outline, &[], |outline, _| {
             let loaded = film.at_scale_of(outline, spine).under(load, spine)?;
             let largest = largest(&loaded, log_multipliers, spine);
             Some(UnknownLoad { film: loaded, largest })

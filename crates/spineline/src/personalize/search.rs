@@ -173,15 +173,18 @@ impl Best {
         self.minimum.as_ref().is_some_and(|(best, _)| problem.data_rms(&best.system) < enough_rms)
     }
 
-    /// Distinct ends whose sums of squares are within a factor of the best one's, that one first.
-    fn minima(&self, factor: f64) -> Vec<Start> {
+    /// Distinct ends that other readings of the films can make the best one, which is first.
+    fn minima(&self) -> Vec<Start> {
         /// Ends whose sums of squares agree like this are one.
         const SAME: f64 = 1e-4;
+        /// Residuals are in standard deviations of the readings, so other readings move the difference between the roots of two sums of
+        /// squares by about 1.
+        const REACH: f64 = 10.0;
         let mut ends: Vec<&(Start, f64)> = self.ends.iter().collect();
         ends.sort_by(|a, b| a.1.total_cmp(&b.1));
         ends.dedup_by(|b, a| b.1 - a.1 <= SAME * a.1);
-        let most = factor * ends.first().map_or(0.0, |end| end.1);
-        ends.into_iter().filter(|end| end.1 <= most).map(|end| end.0.clone()).collect()
+        let farthest = REACH + ends.first().map_or(0.0, |end| end.1.sqrt());
+        ends.into_iter().filter(|end| end.1.sqrt() <= farthest).map(|end| end.0.clone()).collect()
     }
 
     /// The best end; nominal stiffness if no start could be evaluated.
@@ -190,7 +193,7 @@ impl Best {
         problem: &Problem<'_, F>,
         free: Option<&Personalization>,
     ) -> Personalization {
-        let minima = self.minima(PROMISING);
+        let minima = self.minima();
         let Some((minimum, Start { log_multipliers, loads })) = self.minimum else {
             let groups = problem.springs.groups.len();
             return Personalization {
