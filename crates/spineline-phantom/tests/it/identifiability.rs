@@ -153,10 +153,15 @@ fn a_prior_decides_unidentified_parameters_only() {
         let with = one.log_sd_with_prior.expect("there is a prior");
         assert!(with <= one.log_sd.min(alone) * (1.0 + 1e-9), "{with}, {}, {alone}", one.log_sd);
         assert!(log.abs() < 4.0 * alone, "{log}");
-        let share = one.film_share(prior.log_sd).expect("there is a prior");
-        assert!((0.0..=1.0).contains(&share));
+        let share = one.film_share(prior.log_sd, 14).expect("there is a prior");
+        assert!((share - (1.0 - (with / alone).powi(2))).abs() < 1e-9, "{share}");
     }
     asked.prior = Some(LogNormalPrior { log_sd: 1e-4 });
-    let (fit, _) = patient.ask(&asked);
+    let (fit, found) = patient.ask(&asked);
+    let shares = found.multipliers.iter().map(|one| one.film_share(1e-4, 14));
+    assert!(
+        shares.flatten().all(|share| share < 1e-3),
+        "a prior that is certain leaves nothing to films"
+    );
     assert!(fit.log_multipliers.iter().all(|log| log.abs() < 1e-3), "{:?}", fit.log_multipliers);
 }

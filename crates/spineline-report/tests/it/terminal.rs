@@ -246,7 +246,7 @@ fn requested_identifiability_and_prior_are_shown() {
             let row = format!("{} {} {}", model.kind, name, fixed(value, 2));
             holds(&text, &[row]);
             let with_prior = one.log_sd_with_prior.expect("there is a prior");
-            let share = one.film_share(prior.log_sd);
+            let share = one.film_share(prior.log_sd, found.multipliers.len());
             let cells = [
                 deviation(one.log_sd),
                 one.verdict().to_string(),

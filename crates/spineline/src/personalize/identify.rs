@@ -97,11 +97,14 @@ pub struct MultiplierInformation {
 }
 
 impl MultiplierInformation {
-    /// Part of the information that comes from the films and not from a prior of this deviation, 0 to 1.
+    /// Part of the information that comes from the films and not from a prior of this deviation, 0 to 1; `None` without a prior, or for
+    /// the only group.
     #[must_use]
-    pub fn film_share(&self, prior_log_sd: f64) -> Option<f64> {
-        let ratio = self.log_sd_with_prior? / prior_log_sd;
-        Some((1.0 - ratio * ratio).clamp(0.0, 1.0))
+    pub fn film_share(&self, prior_log_sd: f64, groups: usize) -> Option<f64> {
+        // The mean is held, so that a prior alone gives each of independent values less its mean.
+        let variance_of_prior = prior_log_sd.powi(2) * (1.0 - 1.0 / groups as f64);
+        let share = 1.0 - self.log_sd_with_prior?.powi(2) / variance_of_prior;
+        (groups > 1).then(|| share.clamp(0.0, 1.0))
     }
 
     /// Ends of the 95 % interval of `ln` stiffness over its joints: the lower one is open below the bounds of multipliers, and the upper one
