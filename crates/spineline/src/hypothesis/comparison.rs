@@ -15,7 +15,10 @@ pub struct HypothesisScores {
     /// Means of the root mean squares of the rotations' errors, likewise.
     rotation_deg: [Option<f64>; Role::ALL.len()],
     against: Option<f64>,
-    is_beyond_human_range: bool,
+    /// Whether it can be the best: the fit converged, within the human range of motion.
+    is_sound: bool,
+    /// Whether it predicts every bend that is left out.
+    predicts_left_out: bool,
     /// Films and roles without a prediction, and one more for a fit that did not converge.
     lost: usize,
 }
@@ -30,7 +33,8 @@ impl HypothesisScores {
             location_mm: Role::ALL.map(|role| fit.mean_location_error_mm(role)),
             rotation_deg: Role::ALL.map(|role| fit.mean_rotation_rms(role).map(Angle::deg)),
             against: mean(fit.of_role(Role::Fitted).map(|film| film.against.joints as f64)),
-            is_beyond_human_range: fit.is_beyond_human_range(),
+            is_sound: fit.is_converged(),
+            predicts_left_out: fit.lost.iter().all(|lost| lost.role != Role::LeftOut),
             lost: fit.lost.len() + usize::from(!fit.is_converged()),
         }
     }
@@ -109,9 +113,10 @@ fn block(patients: &[&[HypothesisScores]], hypotheses: &[Hypothesis]) -> Hypothe
     };
     let all: Vec<Vec<&HypothesisScores>> = hypotheses.iter().map(|&h| of(h)).collect();
     let left_out_place = Role::ALL.iter().position(|role| *role == Role::LeftOut);
-    let left_out = |fit: &HypothesisScores| fit.location_mm[left_out_place?];
-    // A shape beyond the human range is not a candidate for the best.
-    let aicc = |fit: &HypothesisScores| (!fit.is_beyond_human_range).then_some(fit.criteria.aicc);
+    let left_out = |fit: &HypothesisScores| {
+        fit.location_mm[left_out_place?].filter(|_| fit.is_sound && fit.predicts_left_out)
+    };
+    let aicc = |fit: &HypothesisScores| fit.is_sound.then_some(fit.criteria.aicc);
     let summaries = hypotheses.iter().zip(&all).map(|(&hypothesis, fits)| {
         let difference = |value: fn(&Criteria) -> f64| {
             let both = fits.iter().zip(&all[0]);

@@ -20,7 +20,7 @@ use crate::number::or_infinite;
 /// [burnham-2002], sections 2.2 and 2.4; [schwarz-1978].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Criteria {
-    /// Measured numbers: n.
+    /// Measured numbers: n. The angle of a noisy base counts in `χ²` alone, as its distance from the mean.
     pub measured: usize,
     /// Fitted numbers with the size of the residuals: K.
     pub fitted: usize,

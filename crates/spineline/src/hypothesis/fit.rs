@@ -195,8 +195,9 @@ impl FittedHypothesis<'_> {
 
     fn criteria(&self) -> Criteria {
         let (films, groups) = (self.found.loads.len(), self.found.log_multipliers.len());
-        let measured = self.problem.data_rows();
-        let chi_squared = self.found.residual_rms.powi(2) * measured as f64;
+        let rows = self.problem.data_rows();
+        let chi_squared = self.found.residual_rms.powi(2) * rows as f64;
+        let measured = rows - self.problem.rows_of_bases();
         Criteria::new(chi_squared, measured, self.hypothesis.free_numbers(films, groups))
     }
 

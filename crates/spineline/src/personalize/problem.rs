@@ -71,6 +71,15 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
         self.films.iter().map(|film| self.rows_of(film)).sum()
     }
 
+    /// Those of the angles of noisy bases, which no film shows.
+    pub fn rows_of_bases(&self) -> usize {
+        let shown = |film: &FilmData<'a, F>| film.shape_rows() - film.rows.count();
+        match self.target() {
+            FitTarget::Ferguson => 0,
+            FitTarget::Shape => self.films.iter().map(shown).sum(),
+        }
+    }
+
     /// All rows.
     pub fn rows(&self) -> usize {
         let prior = if self.settings.prior.is_some() { self.springs.groups.len() } else { 0 };
