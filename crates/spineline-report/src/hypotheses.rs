@@ -76,7 +76,7 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
         }
     });
     table.note = format!(
-        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. Predictions with the tilt of the top are compared with loads that know it too, by the published or the given distribution of rotations. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
+        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. Predictions with the tilt of the top are compared with loads that know it too, by the published or the given distribution of rotations. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: likewise.",
         best.by,
         fixed(best.mean_mm(), 1)
     );

@@ -2,10 +2,10 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, FreeNumbers};
-use spineline::cohort::{Clustered, PairedComparison};
+use spineline::cohort::{Clustered, ComparisonOutcome, PairedComparison};
 
 pub use spineline::number::none;
-use spineline::number::{fixed, interval};
+use spineline::number::{fixed, interval, p_value};
 
 /// The lines of action that every patient with a bend is fitted with.
 pub const LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
@@ -82,6 +82,11 @@ pub(crate) fn mean_words(found: &Clustered, places: usize) -> String {
 /// The mean difference over patients with its 95 % interval, with one decimal.
 pub(crate) fn difference_words(found: &PairedComparison) -> String {
     with_interval(found.mean_difference, found.bootstrap, 1)
+}
+
+/// A p value after Holm's correction; patients may be too few for a test.
+pub(crate) fn holm_p(p: Option<f64>) -> String {
+    p.map_or_else(|| ComparisonOutcome::NotTested.to_string(), |p| p_value(Some(p)))
 }
 
 /// A mean with its 95 % interval over patients.

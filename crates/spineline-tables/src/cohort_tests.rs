@@ -142,7 +142,7 @@ fn probabilities(add: &mut Columns<'_, Test<'_>>) {
     add.number(
         "holm_p",
         Unit::One,
-        "the same, corrected by Holm over all tests of its family: pairs of lines, lines against predictions without mechanics, or other loads against these",
+        "the same, corrected by Holm over all tests of its family: pairs of lines, lines against predictions without mechanics, or other loads against these; empty where patients are too few for any significant difference",
         |row| row.holm_p,
     );
     add.number("patient_t_p", Unit::One, "p value of the paired t-test over patients", |row| {

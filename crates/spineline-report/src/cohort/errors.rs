@@ -8,7 +8,7 @@ use super::movement::table_of_tests;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
 use crate::phrases::{
-    FITTED, HELD_OUT, LEFT_OUT, difference_words, line_in_short, mean_words, none, numbers,
+    FITTED, HELD_OUT, LEFT_OUT, difference_words, holm_p, line_in_short, mean_words, none, numbers,
     with_interval,
 };
 
@@ -179,7 +179,7 @@ fn by_line(cohort: &Cohort) -> Table {
 }
 
 fn family(cohort: &Cohort) -> Table {
-    let tests = cohort.compared.tests.iter().filter(|test| test.holm_p.is_some());
+    let tests = cohort.compared.tests.iter().filter(|test| test.comparison.is_compared());
     Table::of("Every pair of lines, tested", tests, |add| {
         add.words("First minus second line", |test| test.lines.map(line_in_short).join(" – "));
         add.words("Films", |test| test.role.to_string());
@@ -197,7 +197,7 @@ fn family(cohort: &Cohort) -> Table {
         add.numbers("Sign-flip p", |test| {
             p_value(test.comparison.sign_flip.map(|t| t.p_two_sided))
         });
-        add.numbers("Holm p", |test| p_value(test.holm_p));
+        add.numbers("Holm p", |test| holm_p(test.holm_p));
         add.numbers("Pooled p (the paper's)", |test| {
             p_value(test.comparison.pooled.map(|t| t.p_two_sided))
         });
@@ -230,7 +230,7 @@ fn baselines(cohort: &Cohort) -> Table {
 }
 
 fn against_baselines(cohort: &Cohort) -> Table {
-    let tests = cohort.baselines.tests.iter().filter(|test| test.holm_p.is_some());
+    let tests = cohort.baselines.tests.iter().filter(|test| test.comparison.is_compared());
     let mut table = Table::of("Lines against predictions without mechanics", tests, |add| {
         add.words("Line minus prediction without mechanics", |test| {
             format!("{} – {}", line_in_short(test.model), test.baseline.long_name())
@@ -241,9 +241,9 @@ fn against_baselines(cohort: &Cohort) -> Table {
         add.numbers("Sign-flip p", |test| {
             p_value(test.comparison.sign_flip.map(|t| t.p_two_sided))
         });
-        add.numbers("Holm p", |test| p_value(test.holm_p));
+        add.numbers("Holm p", |test| holm_p(test.holm_p));
         add.words("The line is", |test| test.outcome().to_string());
     });
-    table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise or with a whole interval above zero. With tilt: both know the tilt of the top vertebra. Without it the estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
+    table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise; not tested: too few patients for any significant difference. With tilt: both know the tilt of the top vertebra. Without it the estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
     table
 }

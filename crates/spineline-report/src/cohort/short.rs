@@ -5,12 +5,14 @@ use spineline::cohort::{
     BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
 };
 use spineline::evaluate::statistics::Resampling;
-use spineline::number::p_value;
 use spineline::warning::counted;
 
 use super::by_patient::{PatientRow, outcomes};
 use crate::document::{Section, Table};
-use crate::phrases::difference_words;
+use crate::phrases::{difference_words, holm_p};
+
+/// Before a test that no difference of as many patients can pass.
+const TOO_FEW: &str = "Too few patients to test";
 
 /// Patients in the table of a terminal.
 const MOST_PATIENTS: usize = 20;
@@ -42,9 +44,8 @@ fn line(cohort: &Cohort) -> String {
     let (tested, untested): (Vec<&LineOutcomes>, Vec<&LineOutcomes>) =
         cohort.outcomes.iter().partition(|kind| kind.patients.tested() > 0);
     let rejected = tested.iter().map(|kind| words(kind)).collect::<Vec<_>>().join(", ");
-    let rejected = (!tested.is_empty()).then(|| {
-        format!("The bends reject a single force along {rejected} (level of the test 5 %).")
-    });
+    let rejected =
+        (!tested.is_empty()).then(|| format!("The bends reject a single force along {rejected}."));
     let names = untested.iter().map(|kind| format!("the {}", kind.kind)).collect::<Vec<_>>();
     let names = (!names.is_empty()).then(|| format!("Not tested: {}.", names.join(", ")));
     let all = [rejected, names].into_iter().flatten().collect::<Vec<_>>();
@@ -64,8 +65,9 @@ fn sure(cohort: &Cohort) -> String {
     let predicted = compared.tests.iter().filter(|test| {
         test.error == ErrorKind::Location && test.role != FilmRole::Fitted && test.is_fair()
     });
-    let tested: Vec<&LinePairTest> = predicted.filter(|test| test.holm_p.is_some()).collect();
-    let better: Vec<String> = tested
+    let compared: Vec<&LinePairTest> =
+        predicted.filter(|test| test.comparison.is_compared()).collect();
+    let better: Vec<String> = compared
         .iter()
         .filter_map(|test| {
             let better = test.predicts_better()?;
@@ -73,8 +75,9 @@ fn sure(cohort: &Cohort) -> String {
             Some(format!("the {better} predicts {} better than the {other}", test.role))
         })
         .collect();
-    let lines = match (tested.is_empty(), better.is_empty()) {
+    let lines = match (compared.is_empty(), better.is_empty()) {
         (true, _) => "No two lines with equally many numbers from each film are tested on films that were not fitted.".to_owned(),
+        (false, true) if compared.iter().all(|test| test.holm_p.is_none()) => format!("{TOO_FEW} which line predicts better."),
         (false, true) => "Lines with equally many numbers from each film do not differ significantly on films that were not fitted.".to_owned(),
         (false, false) => format!("With equally many numbers from each film, {}.", better.join("; ")),
     };
@@ -87,6 +90,9 @@ fn sure(cohort: &Cohort) -> String {
         .collect();
     let baselines = match (against.is_empty(), better.is_empty()) {
         (true, _) => String::new(),
+        (false, true) if against.iter().all(|test| test.holm_p.is_none()) => {
+            format!(" {TOO_FEW} lines against predictions without mechanics.")
+        }
         (false, true) => {
             " No line is significantly better than the best prediction without mechanics from as many numbers."
                 .to_owned()
@@ -101,7 +107,8 @@ fn sure(cohort: &Cohort) -> String {
 /// The tests of every line against the best predictions without mechanics on films of this role, without and with the tilt of the top.
 fn against_best(cohort: &Cohort, role: FilmRole) -> impl Iterator<Item = &BaselineTest> {
     let best = [false, true].into_iter().filter_map(move |tilt| cohort.baselines.best(role, tilt));
-    best.flat_map(|best| cohort.baselines.tests_against(best)).filter(|test| test.holm_p.is_some())
+    best.flat_map(|best| cohort.baselines.tests_against(best))
+        .filter(|test| test.comparison.is_compared())
 }
 
 /// A prediction compared with another one on films that were not fitted.
@@ -117,7 +124,7 @@ fn comparisons(cohort: &Cohort) -> Table {
     let mut tests: Vec<Compared<'_>> = Vec::new();
     for role in FilmRole::PREDICTED {
         let pairs = cohort.compared.tests.iter().filter(|test| {
-            test.role == role && test.error == ErrorKind::Location && test.holm_p.is_some()
+            test.role == role && test.error == ErrorKind::Location && test.comparison.is_compared()
         });
         for test in pairs {
             let [first, second] = test.lines;
@@ -139,7 +146,7 @@ fn comparisons(cohort: &Cohort) -> Table {
         add.words("Location error of", |row| row.what.clone());
         add.numbers("Patients", |row| row.test.patients().to_string());
         add.words("Difference (mm, 95 %)", |row| difference_words(row.test));
-        add.numbers("Holm p", |row| p_value(row.holm_p));
+        add.numbers("Holm p", |row| holm_p(row.holm_p));
     });
     table.note = format!(
         "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. With tilt: both know the tilt of the top vertebra. † not fair: the estimated line takes two numbers more from each film.",

@@ -255,12 +255,14 @@ fn prediction_words(analysis: &Analysis, by: FilmPredictor) -> String {
     }
 }
 
-/// How the bends test a line. They cannot test a line that is fitted to them, and doubted films keep no line.
+/// How the bends test a line. They cannot test a line that is fitted to them, and doubted films test no line.
 pub fn outcome(analysis: &Analysis, model: &LineModel) -> String {
     let found = analysis.compatibility(model).outcome();
     match found {
         _ if model.kind == LineKind::Estimated => TestOutcome::NotTested.to_string(),
-        TestOutcome::Kept if analysis.has_doubted_film() => "film in doubt".to_owned(),
+        TestOutcome::Kept | TestOutcome::Rejected if analysis.has_doubted_film() => {
+            "film in doubt".to_owned()
+        }
         _ => found.to_string(),
     }
 }

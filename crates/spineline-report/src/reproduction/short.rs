@@ -2,13 +2,14 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
-use spineline::number::p_value;
+use spineline::number::none;
 use spineline::warning::counted;
 
 use super::claims::{Evidence, answer, ending_words, evidence, rejected};
 use super::fair::{PAIRS, difference, pair_words, test};
 use super::{Films, Group, Reproduction};
 use crate::document::{Column, Document, Section, Table};
+use crate::phrases::holm_p;
 
 const CLAIMS_CAPTION: &str = "The paper's claims (Model-1: force through the inflections; Model-2: parallel to the iliac line)";
 const CLAIMS_NOTE: &str = "Errors: Model-1, Model-2. Claims 1 and 2 hold above 90 %, claim 3 in most patients (fitted) or by Holm's p below 0.05 (not fitted). Open: the 95 % interval has both sides.";
@@ -95,7 +96,7 @@ fn differences(reproduction: &Reproduction<'_>) -> Table {
             for role in FilmRole::PREDICTED {
                 let found = test(one.free, lines, role);
                 row.push(difference(found.map(|test| &test.comparison)).text);
-                row.push(p_value(found.and_then(|test| test.holm_p)));
+                row.push(found.map_or_else(none, |test| holm_p(test.holm_p)));
             }
             table.row(row);
         }

@@ -42,7 +42,8 @@ pub struct BaselineTest<Model = LineKind> {
     pub films: usize,
     /// Location errors, model minus baseline: a negative difference is the model's advantage.
     pub comparison: PairedComparison,
-    /// The sign-flip probability, corrected by Holm over all tests of such models against baselines.
+    /// The sign-flip probability, corrected by Holm over all tests of such models against baselines; `None` where patients are too few
+    /// for any significant difference.
     pub holm_p: Option<f64>,
 }
 
@@ -112,7 +113,7 @@ impl BaselinesOverPatients {
     pub fn of_patient(analysis: &Analysis) -> Self {
         let patient = &[CohortPatient::of(analysis)];
         // One patient is not resampled.
-        let patients = Patients::new(patient, Resampling::new(1, 0), &OneThread);
+        let patients = Patients::new(patient, Resampling::new(1, 0), &OneThread, |_| true);
         let kinds: BTreeSet<LineKind> = patient[0].lines.iter().map(|line| line.kind).collect();
         Self::of(patient, &patients, &Vec::from_iter(kinds))
     }
@@ -232,8 +233,11 @@ impl BaselinesOverPatients {
         if let Some((best, words)) = self.best(role, false).zip(baselines(false)) {
             all.push(format!("{}, predicted without mechanics: {words}.", films_words(role)));
             all.extend(self.tests_against(best).filter_map(line_sentence));
-            let mut tests = self.tests_against(best).peekable();
-            if tests.peek().is_some() && !tests.any(|test| test.is_fair() && test.is_better()) {
+            let is_tested = self.tests_against(best).any(|test| test.holm_p.is_some());
+            let mut tests = self.tests_against(best);
+            if !is_tested && tests.any(|test| test.comparison.is_compared()) {
+                all.push(format!("Too few patients to test the lines against {}.", best.by));
+            } else if is_tested && !tests.any(|test| test.is_fair() && test.is_better()) {
                 all.push(format!(
                     "No line with one number from each film predicts them significantly better than {}: these films are not evidence that a prediction needs mechanics.",
                     best.by
@@ -251,7 +255,7 @@ impl BaselinesOverPatients {
         all
     }
 
-    /// Which of the other loads and bases do not predict better than the best prediction without mechanics.
+    /// Which of the other loads and bases predict better and worse than the best prediction without mechanics.
     fn hypotheses_sentence(&self, role: FilmRole, best: Baseline) -> Option<String> {
         let of_best = |test: &&BaselineTest<Hypothesis>| {
             test.role == role && test.baseline == best && test.holm_p.is_some()
@@ -265,9 +269,14 @@ impl BaselinesOverPatients {
                 })
                 .collect()
         };
-        let (worse, same) = (of(ComparisonOutcome::Worse), of(ComparisonOutcome::NoDifference));
-        let parts: Vec<String> = [(worse, "worse"), (same, "not significantly different")]
+        let endings = [
+            (ComparisonOutcome::Better, "better"),
+            (ComparisonOutcome::Worse, "worse"),
+            (ComparisonOutcome::NoDifference, "not significantly different"),
+        ];
+        let parts: Vec<String> = endings
             .into_iter()
+            .map(|(outcome, words)| (of(outcome), words))
             .filter(|(models, _)| !models.is_empty())
             .map(|(models, words)| format!("{} {words}: {}", models.len(), listed(&models)))
             .collect();

@@ -1,19 +1,18 @@
 use crate::anatomy::named;
 use crate::evaluate::paired::{EffectSize, SignFlip, effect_size, holm, sign_flip};
 use crate::evaluate::statistics::{PairedT, Summary};
-use crate::personalize::TestOutcome;
+use crate::personalize::{SIGNIFICANCE, TestOutcome};
 
 named! {
     /// Outcome of a comparison of errors for the first model against the second. All outputs use these words.
     pub enum ComparisonOutcome {
         /// Its error is smaller, significantly after Holm's correction.
         Better = "better",
-        /// Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference is above zero
-        /// over at least six patients. A claim that a model is better needs the correction; that it is worse does not.
+        /// Its error is larger, significantly after Holm's correction.
         Worse = "worse",
         /// The data show no difference.
         NoDifference = "no_significant_difference" as "no significant difference",
-        /// Too few patients have both.
+        /// Too few patients have both for any significant difference.
         NotTested = "not_tested" as "not tested",
     }
 }
@@ -60,6 +59,12 @@ impl PairedComparison {
         }
     }
 
+    /// Whether at least two patients have both.
+    #[must_use]
+    pub const fn is_compared(&self) -> bool {
+        self.sign_flip.is_some()
+    }
+
     /// Patients that have both.
     #[must_use]
     pub fn patients(&self) -> usize {
@@ -69,45 +74,54 @@ impl PairedComparison {
     /// The outcome for the first by the differences, first minus second, and the probability after Holm's correction.
     #[must_use]
     pub fn outcome(&self, holm_p: Option<f64>) -> ComparisonOutcome {
-        let is_larger = self.mean_difference > 0.0;
-        let is_clearly_larger = self.bootstrap.is_some_and(|[low, _]| low > 0.0);
         match TestOutcome::of(holm_p) {
             TestOutcome::NotTested => ComparisonOutcome::NotTested,
-            TestOutcome::Rejected if !is_larger => ComparisonOutcome::Better,
+            TestOutcome::Rejected if self.mean_difference < 0.0 => ComparisonOutcome::Better,
             TestOutcome::Rejected => ComparisonOutcome::Worse,
-            TestOutcome::Kept if is_clearly_larger => ComparisonOutcome::Worse,
             TestOutcome::Kept => ComparisonOutcome::NoDifference,
         }
     }
 }
 
-/// Sign-flip probabilities of a family of comparisons after Holm's correction; `None` without a test.
+/// Sign-flip probabilities of a family of comparisons after Holm's correction; `None` where no difference of as many patients is
+/// significant after it.
 pub(super) fn corrected_by_holm(family: &[PairedComparison]) -> Vec<Option<f64>> {
-    let flips: Vec<Option<f64>> =
-        family.iter().map(|one| one.sign_flip.map(|test| test.p_two_sided)).collect();
-    let adjusted = holm(&flips.iter().flatten().copied().collect::<Vec<f64>>());
-    let mut adjusted = adjusted.into_iter();
-    flips.into_iter().map(|flip| flip.and_then(|_| adjusted.next())).collect()
+    let tests: Vec<SignFlip> = family.iter().filter_map(|one| one.sign_flip).collect();
+    let adjusted = |p: fn(&SignFlip) -> f64| holm(&tests.iter().map(p).collect::<Vec<f64>>());
+    let found = adjusted(|test| test.p_two_sided).into_iter().zip(adjusted(SignFlip::least_p));
+    let mut found = found.map(|(p, least)| (least < SIGNIFICANCE).then_some(p));
+    family.iter().map(|one| one.sign_flip.and_then(|_| found.next().flatten())).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn comparison(differences: &[f64]) -> PairedComparison {
+        PairedComparison::of_differences(Summary::of(differences), differences, None, 0)
+    }
+
     #[test]
-    fn a_larger_error_with_a_whole_interval_above_zero_is_worse() {
-        let outcome = |mean_difference, interval, holm_p| {
-            let differences = [mean_difference; 6];
-            let pooled = Summary::of(&differences);
-            let one = PairedComparison::of_differences(pooled, &differences, Some(interval), 0);
-            one.outcome(holm_p)
-        };
-        assert_eq!(outcome(2.5, [0.7, 4.7], Some(0.3)), ComparisonOutcome::Worse);
-        assert_eq!(outcome(2.5, [0.7, 4.7], Some(0.01)), ComparisonOutcome::Worse);
-        assert_eq!(outcome(2.5, [-0.1, 4.7], Some(0.3)), ComparisonOutcome::NoDifference);
-        // To be better takes Holm's correction.
-        assert_eq!(outcome(-2.5, [-4.7, -0.7], Some(0.3)), ComparisonOutcome::NoDifference);
-        assert_eq!(outcome(-2.5, [-4.7, -0.7], Some(0.01)), ComparisonOutcome::Better);
-        assert_eq!(outcome(2.5, [0.7, 4.7], None), ComparisonOutcome::NotTested);
+    fn better_and_worse_take_the_correction() {
+        let outcome = |mean, holm_p| comparison(&[mean; 6]).outcome(holm_p);
+        assert_eq!(outcome(2.5, Some(0.3)), ComparisonOutcome::NoDifference);
+        assert_eq!(outcome(2.5, Some(0.01)), ComparisonOutcome::Worse);
+        assert_eq!(outcome(-2.5, Some(0.3)), ComparisonOutcome::NoDifference);
+        assert_eq!(outcome(-2.5, Some(0.01)), ComparisonOutcome::Better);
+        assert_eq!(outcome(2.5, None), ComparisonOutcome::NotTested);
+    }
+
+    #[test]
+    fn a_family_whose_patients_are_too_few_is_not_tested() {
+        // Oracle: of n patients p is at least 2/2^n, and Holm multiplies the least p of 18 tests by 18.
+        let family = |patients: usize| vec![comparison(&vec![1.0; patients]); 18];
+        assert!(corrected_by_holm(&family(9)).iter().all(Option::is_none));
+        assert_eq!(corrected_by_holm(&family(10)), [Some(18.0 / 512.0); 18]);
+        // Without a difference the p value is 1, which is a result.
+        let mut mixed = family(10);
+        mixed[3] = comparison(&[0.0; 10]);
+        mixed[5] = comparison(&[1.0]);
+        let corrected = corrected_by_holm(&mixed);
+        assert_eq!((corrected[3], corrected[5]), (Some(1.0), None));
     }
 }

@@ -85,7 +85,8 @@ pub struct LinePairTest {
     pub without_result: usize,
     /// The tests.
     pub comparison: PairedComparison,
-    /// The sign-flip probability, corrected by Holm over all tests of the cohort's lines.
+    /// The sign-flip probability, corrected by Holm over all tests of the cohort's lines; `None` where patients are too few for any
+    /// significant difference.
     pub holm_p: Option<f64>,
     /// Numbers that each line takes from a film before it predicts it.
     pub per_predicted_film: [usize; 2],

@@ -146,7 +146,8 @@ impl Films {
 }
 
 impl Cohort {
-    /// Statistics of some patients; the seed is for the bootstrap and the permutation tests.
+    /// Statistics of some patients; the seed is for the bootstrap and the permutation tests. A patient with a film that may not show
+    /// what it is named after counts in no mean, interval or test.
     ///
     /// ```
     /// use spineline::analysis::{AnalysisOptions, analyze_movement};
@@ -174,9 +175,11 @@ impl Cohort {
     #[must_use]
     pub fn by(all: &[CohortPatient], seed: u64, workers: &dyn Workers) -> Self {
         let resampling = Resampling::new(RESAMPLES, seed);
-        let patients = Patients::new(all, resampling, workers);
+        let counts = |patient: &CohortPatient| !patient.has_doubted_film();
+        let patients = Patients::new(all, resampling, workers, counts);
+        let counted: Vec<&CohortPatient> = all.iter().filter(|one| counts(one)).collect();
         let mean = |value: fn(&CohortPatient) -> Option<f64>| -> Summary {
-            Summary::of(&all.iter().filter_map(value).collect::<Vec<f64>>())
+            Summary::of(&counted.iter().filter_map(|one| value(one)).collect::<Vec<f64>>())
         };
         let [rmse_mm, rmse_deg, least_rotation_deg] = of_films(&patients);
         let [on_all, on_bends, on_others, mean_on_bends, mean_on_others] = estimates(&patients);
@@ -184,7 +187,7 @@ impl Cohort {
         let kinds: Vec<LineKind> = compared.kinds().collect();
         let [location_test, ferguson_test] =
             ErrorKind::ALL.map(|error| compared.paper_test(error, seed));
-        let rotations: Vec<Summary> = all.iter().map(|patient| patient.rotation_deg).collect();
+        let rotations: Vec<Summary> = counted.iter().map(|patient| patient.rotation_deg).collect();
         let doubted = all.iter().filter(|patient| patient.has_doubted_film());
         Self {
             patients: all.len(),
@@ -205,7 +208,7 @@ impl Cohort {
             without_scale: all.iter().filter(|patient| !patient.has_scale()).count(),
             contradicted_by_inflection_line: kinds
                 .contains(&LineKind::Inflection)
-                .then(|| contradicted(all)),
+                .then(|| contradicted(&counted)),
             baselines: BaselinesOverPatients::of(all, &patients, &kinds),
             compared,
             ferguson_test,
@@ -303,10 +306,10 @@ fn table_2(patients: &Patients<'_>) -> [PairedComparison; 4] {
 }
 
 /// Joints per fitted film that turn against the force along the inflection line.
-fn contradicted(all: &[CohortPatient]) -> Summary {
-    let of = |patient: &CohortPatient| {
+fn contradicted(patients: &[&CohortPatient]) -> Summary {
+    let of = |patient: &&CohortPatient| {
         let films = patient.films_of(FilmRole::Fitted, [LineKind::Inflection]);
         Summary::of(&films.map(|[errors]| errors.contradicted()).collect::<Vec<_>>())
     };
-    Summary::pooled(&all.iter().map(of).collect::<Vec<_>>())
+    Summary::pooled(&patients.iter().map(of).collect::<Vec<_>>())
 }

@@ -72,8 +72,10 @@ struct Bends {
 }
 
 impl Others {
-    pub fn of(patients: &[CohortPatient]) -> Self {
-        let bends: Vec<_> = patients.iter().map(CohortPatient::bends).collect();
+    /// Of the patients that count.
+    pub fn of(patients: &[CohortPatient], counts: fn(&CohortPatient) -> bool) -> Self {
+        let bends = |one: &CohortPatient| if counts(one) { one.bends() } else { Vec::new() };
+        let bends: Vec<_> = patients.iter().map(bends).collect();
         let levels = patients.iter().map(|one| one.levels);
         let with_levels = levels.zip(&bends).map(|(levels, bends)| (levels, &bends[..]));
         Self::of_bends(&with_levels.collect::<Vec<_>>())

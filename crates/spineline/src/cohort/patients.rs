@@ -29,9 +29,10 @@ impl Clustered {
     }
 }
 
-/// All patients, with predictions of each from the others.
+/// The patients that count, with predictions of each from the others.
 pub(super) struct Patients<'a> {
-    seen: Vec<Seen<'a>>,
+    /// `None` for one that does not count.
+    seen: Vec<Option<Seen<'a>>>,
     resampling: Resampling,
     workers: &'a dyn Workers,
 }
@@ -50,31 +51,45 @@ impl<'a> Patients<'a> {
     /// Pieces of work in which the samples of a family are resampled, for the threads of the workers.
     const PIECES: usize = 4;
 
-    pub fn new(all: &'a [CohortPatient], resampling: Resampling, workers: &'a dyn Workers) -> Self {
-        let others = Others::of(all);
-        let seen = results(workers, all.len(), |place| others.see(&all[place], place));
+    /// Those that count of a cohort.
+    pub fn new(
+        all: &'a [CohortPatient],
+        resampling: Resampling,
+        workers: &'a dyn Workers,
+        counts: fn(&CohortPatient) -> bool,
+    ) -> Self {
+        let others = Others::of(all, counts);
+        let seen = results(workers, all.len(), |place| {
+            counts(&all[place]).then(|| others.see(&all[place], place))
+        });
         Self { seen, resampling, workers }
     }
 
-    /// Sum of a count over all patients.
+    fn counted(&self) -> impl Iterator<Item = &Seen<'a>> {
+        self.seen.iter().flatten()
+    }
+
+    /// Sum of a count over the patients.
     pub fn count(&self, of: impl Fn(&Seen<'_>) -> usize) -> usize {
-        self.seen.iter().map(of).sum()
+        self.counted().map(of).sum()
     }
 
     /// All values, patient by patient.
     pub fn values(&self, of: impl Fn(&Seen<'_>, &mut Vec<f64>)) -> Vec<f64> {
         let mut values = Vec::new();
-        self.seen.iter().for_each(|seen| of(seen, &mut values));
+        self.counted().for_each(|seen| of(seen, &mut values));
         values.shrink_to_fit();
         values
     }
 
-    /// One mean per patient; NaN for one without a value.
+    /// One mean per patient of the cohort; NaN for one without a value, and for one that does not count.
     pub fn means(&self, of: impl Fn(&Seen<'_>, &mut Vec<f64>)) -> Vec<f64> {
         let mut values = Vec::new();
-        let mean = |seen| {
+        let mean = |seen: &Option<Seen<'_>>| {
             values.clear();
-            of(seen, &mut values);
+            if let Some(seen) = seen {
+                of(seen, &mut values);
+            }
             Summary::of(&values).mean
         };
         self.seen.iter().map(mean).collect()
@@ -132,7 +147,7 @@ impl<'a> Patients<'a> {
     /// A sample from each patient: the summary and the mean of its values.
     fn sample(&self, of: impl FnMut(&Seen<'_>) -> (Summary, f64)) -> Sample {
         let (mut pooled, mut means) = (Pooled::default(), Vec::new());
-        for (own, mean) in self.seen.iter().map(of) {
+        for (own, mean) in self.counted().map(of) {
             if own.n > 0 {
                 pooled.add(own);
                 means.push(mean);

@@ -41,7 +41,7 @@ pub fn learn_rotation_prior(
         patient.bends().iter().map(|bend| bend.of_joints(joints.clone())).collect()
     };
     let prior = RotationPrior::learned(levels, &all.iter().map(common).collect::<Vec<_>>())?;
-    let others = Others::of(all);
+    let others = Others::of(all, |_| true);
     let of_others = |place: usize| others.prior_of_others(place, all[place].levels).cloned();
     let resampling = Resampling::new(RESAMPLES, seed);
     let errors = |baseline: Baseline, of: &dyn Fn(usize) -> Option<RotationPrior>| {

@@ -7,7 +7,6 @@ use super::{
 use crate::analysis::{FilmRole, Ranking, listed};
 use crate::evaluate::statistics::PairedT;
 use crate::number::{fixed, interval, probability, signed};
-use crate::personalize::SIGNIFICANCE;
 use crate::warning::counted;
 
 impl Cohort {
@@ -48,7 +47,7 @@ impl LinesOverPatients {
     /// Tests in the family that Holm's correction is over.
     #[must_use]
     pub fn family(&self) -> usize {
-        self.tests.iter().filter(|test| test.holm_p.is_some()).count()
+        self.tests.iter().filter(|test| test.comparison.is_compared()).count()
     }
 
     /// What the family is.
@@ -77,27 +76,26 @@ impl LinesOverPatients {
         let location = || self.tests.iter().filter(|test| test.error == ErrorKind::Location);
         let predicted = || location().filter(|test| test.role != FilmRole::Fitted);
         all.extend(predicted().filter_map(better_sentence));
-        let mut fair =
-            predicted().filter(|test| test.holm_p.is_some() && test.is_fair()).peekable();
-        if !predicted().any(|test| test.holm_p.is_some()) {
+        let compared = || predicted().filter(|test| test.comparison.is_compared());
+        let fair: Vec<&LinePairTest> = compared().filter(|test| test.is_fair()).collect();
+        if compared().next().is_none() {
             all.push(
                 "All films were fitted: it cannot be tested which line predicts better.".to_owned(),
             );
-        } else if fair.peek().is_none() {
+        } else if fair.is_empty() {
             all.push(
                 "Lines with equally many parameters per film are not tested against each other: fewer than two patients have films that both predict.".to_owned(),
             );
-        } else if !fair.any(|test| test.predicts_better().is_some()) {
+        } else if fair.iter().any(|test| test.holm_p.is_some())
+            && fair.iter().all(|test| test.predicts_better().is_none())
+        {
             all.push(format!(
                 "On films that were not fitted no line predicts significantly better than another with equally many parameters per film (Holm's correction over {family} tests)."
             ));
         }
         all.extend(self.no_prediction_sentences());
-        let too_few = |test: &&LinePairTest| {
-            let least = 2.0_f64.powi(1 - test.comparison.patients() as i32);
-            test.holm_p.is_some() && least * family as f64 >= SIGNIFICANCE
-        };
-        let differences: Vec<String> = predicted().filter(too_few).map(difference).collect();
+        let too_few = compared().filter(|test| test.holm_p.is_none());
+        let differences: Vec<String> = too_few.map(difference).collect();
         if !differences.is_empty() {
             all.push(format!(
                 "Too few patients for any p to be significant after the correction; the differences, without statistical evidence: {}.",

@@ -29,7 +29,14 @@ pub struct SignFlip {
     pub exact: bool,
 }
 
-/// Sign-flip test of some differences, one per patient; `None` for fewer than two, or where all are zero.
+impl SignFlip {
+    /// The least probability that a test of as many patients can have.
+    pub(crate) fn least_p(&self) -> f64 {
+        if self.exact { 2.0_f64.powi(1 - self.n as i32) } else { 1.0 / f64::from(1 + DRAWN) }
+    }
+}
+
+/// Sign-flip test of some differences, one per patient; `None` for fewer than two.
 ///
 /// # Definition
 /// If neither of two lines is better, a patient's difference could as well have had the other sign. Of all `2^n` choices
@@ -47,7 +54,7 @@ pub struct SignFlip {
 pub fn sign_flip(differences: &[f64], seed: u64) -> Option<SignFlip> {
     let n = differences.len();
     let size: f64 = differences.iter().map(|d| d.abs()).sum();
-    if n < 2 || size.is_nan() || size <= 0.0 {
+    if n < 2 || size.is_nan() {
         return None;
     }
     // Sums that differ by rounding alone are equal.
