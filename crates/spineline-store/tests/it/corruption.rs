@@ -111,7 +111,7 @@ fn a_film_with_changed_bytes_is_not_returned() {
         })
         .expect("an edit");
     let store = Store::open(&path).expect("a store");
-    assert!(matches!(store.content(&content), Err(StoreError::Damaged { .. })));
+    refused!(store.content(&content), Damaged { .. });
     let findings = store.verify(None).expect("verifiable").findings;
     assert!(findings.contains(&Finding::ContentChanged { content }), "{findings:?}");
 }

@@ -170,14 +170,9 @@ fn a_new_store_does_not_destroy_the_log_of_one_that_is_missing() {
         if let Some(content) = content {
             fs::write(at("killed"), content).expect("a file");
         }
-        let refused = Store::create(&at("killed"), &by("lead", 0));
-        assert!(matches!(refused, Err(StoreError::UnfittingLog { .. })), "{refused:?}");
+        refused!(Store::create(&at("killed"), &by("lead", 0)), UnfittingLog { .. });
         assert!(store.backup_to(&at("killed")).is_err());
-        let opened = Store::open(&at("killed"));
-        assert!(
-            matches!(opened, Err(StoreError::NotFound { .. } | StoreError::Damaged { .. })),
-            "{opened:?}"
-        );
+        refused!(Store::open(&at("killed")), NotFound { .. } | StoreError::Damaged { .. });
         assert!(fs::read(at("killed-wal")).expect("a log") == log);
         fs::write(at("killed"), "").expect("a file");
     }
@@ -219,8 +214,7 @@ fn a_store_that_two_versions_were_mixed_into_is_not_opened_for_writing() {
     let raw = Connection::open(at("mixed")).expect("a database");
     let _ = raw.query_row("SELECT count(*) FROM studies", [], |_| Ok(()));
     drop(raw);
-    let opened = Store::open(&at("mixed"));
-    assert!(matches!(opened, Err(StoreError::Damaged { .. })), "{opened:?}");
+    refused!(Store::open(&at("mixed")), Damaged { .. });
     let found = Store::view(&at("mixed")).and_then(|store| store.verify(None));
     assert!(!found.is_ok_and(|found| found.is_clean()));
 }

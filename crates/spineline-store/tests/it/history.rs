@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rusqlite::Connection;
 use sha2::{Digest, Sha256};
-use spineline_store::{Finding, Hash, Store, StoreError, Thumbnails};
+use spineline_store::{Finding, Hash, Store, Thumbnails};
 
 use crate::session::{
     STEPS, create, create_after, folder, folder_with_new_store, folder_with_store, name, run,
@@ -77,8 +77,7 @@ fn thumbnails_are_stored_for_known_films_outside_of_the_log() {
     assert_eq!(store.thumbnails(&content).expect("none"), None);
     let thumbnails = Thumbnails { plain: vec![1, 2], inverted: vec![3] };
     store.keep_thumbnails(&content, &thumbnails).expect("kept");
-    let unknown = store.keep_thumbnails(&Hash::of(b"no film"), &thumbnails);
-    assert!(matches!(unknown, Err(StoreError::Unknown { .. })), "{unknown:?}");
+    refused!(store.keep_thumbnails(&Hash::of(b"no film"), &thumbnails), Unknown { .. });
     drop(store);
     let store = Store::open(&path).expect("a store");
     assert_eq!(store.thumbnails(&content).expect("kept"), Some(thumbnails));

@@ -71,11 +71,8 @@ fn a_stale_click_is_refused_and_kept() {
         place(Level::L4, Corner::SuperiorLeft, 9.0, 8.0),
     );
     store.record(READING, &first, 0, &by("A", 10)).expect("the first");
-    let lost = tab.record(READING, &second, 0, &by("A", 11));
-    assert!(
-        matches!(lost, Err(StoreError::Conflict { expected: 0, found: 1, conflict: 1, .. })),
-        "{lost:?}"
-    );
+    let refused = tab.record(READING, &second, 0, &by("A", 11));
+    refused!(refused, Conflict { expected: 0, found: 1, conflict: 1, .. });
     let state = store.reading_state(READING).expect("a state");
     assert_eq!(state.vertebrae[&Level::L4].corners[&Corner::SuperiorLeft], [1.0, 2.0]);
     let kept = store.conflicts_of_reading(READING, 0).expect("conflicts");
@@ -90,8 +87,8 @@ fn a_stale_click_is_refused_and_kept() {
 fn a_stale_edit_of_a_film_is_refused_and_kept() {
     let (_folder, mut store) = folder_with_store(4);
     let edit = FilmEdit::Posture(Posture::RightBending);
-    let lost = store.edit_film(FILM, edit, 0, &by("other", 20));
-    assert!(matches!(lost, Err(StoreError::Conflict { expected: 0, found: 1, .. })), "{lost:?}");
+    let refused = store.edit_film(FILM, edit, 0, &by("other", 20));
+    refused!(refused, Conflict { expected: 0, found: 1, .. });
     let film = &store.films(&name("S-1")).expect("films")[0];
     assert_eq!((film.view, film.inverted, film.revision), (Posture::Erect.into(), true, 1));
     let kept = store.conflicts_of_film(FILM).expect("conflicts");
@@ -121,16 +118,11 @@ fn a_finished_reading_is_immutable_and_an_open_one_belongs_to_its_observer() {
     let (_folder, mut store) = folder_with_store(STEPS);
     let last = clicks().len() as u64;
     let before = fingerprint(&store);
-    let refused = store.record(READING, &Event::Redo, last, &by("A", 90));
-    assert!(matches!(refused, Err(StoreError::Finished { .. })), "{refused:?}");
-    let refused = store.finish_reading(READING, last, &by("A", 90));
-    assert!(matches!(refused, Err(StoreError::Finished { .. })), "{refused:?}");
-    let refused = store.record(ReadingId(2), &Event::Redo, 2, &by("A", 90));
-    assert!(matches!(refused, Err(StoreError::NotYours { .. })), "{refused:?}");
-    let refused = store.begin_reading(FILM, 1, &by("A", 90));
-    assert!(matches!(refused, Err(StoreError::Exists { .. })), "{refused:?}");
-    let refused = store.begin_reading(FILM, 0, &by("A", 90));
-    assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "{refused:?}");
+    refused!(store.record(READING, &Event::Redo, last, &by("A", 90)), Finished { .. });
+    refused!(store.finish_reading(READING, last, &by("A", 90)), Finished { .. });
+    refused!(store.record(ReadingId(2), &Event::Redo, 2, &by("A", 90)), NotYours { .. });
+    refused!(store.begin_reading(FILM, 1, &by("A", 90)), Exists { .. });
+    refused!(store.begin_reading(FILM, 0, &by("A", 90)), BadPlan { .. });
     assert_eq!(fingerprint(&store), before);
 }
 
@@ -163,12 +155,9 @@ fn an_invalid_event_is_refused_with_its_reason_and_changes_no_state() {
 #[test]
 fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
     let (_folder, mut store) = folder_with_store(5 + 6);
-    let refused = store.finish_reading(READING, 6, &by("A", 90));
     let level = Level::L3;
-    assert!(
-        matches!(refused, Err(StoreError::Incomplete { level: l, corners: 2, .. }) if l == level),
-        "{refused:?}"
-    );
+    let refused = store.finish_reading(READING, 6, &by("A", 90));
+    refused!(refused, Incomplete { level: Level::L3, corners: 2, .. });
     store.record(READING, &Event::RemoveVertebra { level }, 6, &by("A", 91)).expect("an event");
     store.finish_reading(READING, 7, &by("A", 92)).expect("complete now");
 }
@@ -176,18 +165,9 @@ fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
 #[test]
 fn a_repeated_picture_is_reported_with_its_posture() {
     let (folder, mut store) = folder_with_store(3);
-    let again =
-        store.add_film(&name("S-1"), Posture::Traction, &film_bytes(2), &image(), &by("lead", 9));
-    assert!(
-        matches!(
-            again,
-            Err(StoreError::AlreadyKnown {
-                film: FilmId(2),
-                view: FilmView::Frontal(Posture::LeftBending),
-                ..
-            })
-        ),
-        "{again:?}"
+    refused!(
+        store.add_film(&name("S-1"), Posture::Traction, &film_bytes(2), &image(), &by("lead", 9)),
+        AlreadyKnown { film: FilmId(2), view: FilmView::Frontal(Posture::LeftBending), .. }
     );
     assert_eq!(store.films(&name("S-1")).expect("films").len(), 2);
     // Another study may have it; its bytes are stored once.
@@ -292,6 +272,5 @@ fn all_levels_are_shifted_by_one_change_that_can_be_undone() {
     assert_eq!(store.reading_state(READING).expect("a state").vertebrae, before);
     let down = Event::ShiftLevels { up: false };
     store.record(READING, &down, 14, &by).expect("L4 is L5 now");
-    let refused = store.record(READING, &down, 15, &by);
-    assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");
+    refused!(store.record(READING, &down, 15, &by), BadEvent { .. });
 }

@@ -95,8 +95,7 @@ fn each_view_takes_its_own_landmarks_and_undo_takes_them_back() {
         let count = taken.len() as u64;
         store.record_all(reading, &taken, 0, &by).expect("landmarks of this view");
         for other in &others {
-            let refused = store.record(reading, other, count, &by);
-            assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");
+            refused!(store.record(reading, other, count, &by), BadEvent { .. });
         }
         let before = store.reading_state(reading).expect("a state").vertebrae;
         store.record(reading, &Event::Undo, count, &by).expect("an undo");
@@ -109,7 +108,6 @@ fn each_view_takes_its_own_landmarks_and_undo_takes_them_back() {
         }
     }
     let edit = FilmEdit::Posture(Posture::Neutral);
-    let refused = store.edit_film(lateral, edit, 0, &by);
-    assert!(matches!(refused, Err(StoreError::NotFrontal { .. })), "{refused:?}");
+    refused!(store.edit_film(lateral, edit, 0, &by), NotFrontal { .. });
     assert!(store.verify(None).expect("verifiable").is_clean());
 }

@@ -2,6 +2,9 @@
 
 #![allow(clippy::float_cmp, reason = "tests compare with exact values")]
 
+#[macro_use]
+mod refused;
+
 mod corruption;
 mod crash;
 mod current_case;

@@ -1,7 +1,7 @@
 //! Model options of a study, and kept computations.
 
 use spineline_files::method_text::{ChosenOption, ChosenOptions};
-use spineline_store::{CaseReadings, Finding, KeptComputation, Store, StoreError, StudyOptions};
+use spineline_store::{CaseReadings, Finding, KeptComputation, Store, StudyOptions};
 
 use crate::session::{by, folder_with_new_store, folder_with_store, name, run};
 
@@ -25,8 +25,8 @@ fn options_are_kept_logged_and_reset_and_a_stale_change_is_kept_beside_them() {
     for changed in [store.last_change(&study), store.last_result_change(&study)] {
         assert_eq!(changed.expect("a change").sequence as u64, first.sequence);
     }
-    let stale = store.set_study_options(&study, &ChosenOptions::default(), 0, &lead);
-    assert!(matches!(&stale, Err(StoreError::Conflict { expected: 0, found: 1, .. })), "{stale:?}");
+    let refused = store.set_study_options(&study, &ChosenOptions::default(), 0, &lead);
+    refused!(refused, Conflict { expected: 0, found: 1, .. });
     drop(store);
 
     let mut store = Store::open(&path).expect("a store");
@@ -42,8 +42,7 @@ fn options_are_kept_logged_and_reset_and_a_stale_change_is_kept_beside_them() {
     let reset = StudyOptions { chosen: ChosenOptions::default(), revision: 2 };
     assert_eq!(store.study_options(&study).expect("options"), reset);
     assert!(store.verify(None).expect("verifiable").is_clean());
-    let unknown = store.set_study_options(&name("S-2"), &free, 0, &lead);
-    assert!(matches!(unknown, Err(StoreError::Unknown { .. })), "{unknown:?}");
+    refused!(store.set_study_options(&name("S-2"), &free, 0, &lead), Unknown { .. });
 }
 
 #[test]
@@ -59,8 +58,7 @@ fn edited_options_are_damage_and_never_other_options() {
     raw.execute("UPDATE options SET chosen = '[]'", []).expect("an edit by hand");
     drop(raw);
     let store = Store::view(&path).expect("a store");
-    let found = store.study_options(&study);
-    assert!(matches!(found, Err(StoreError::Damaged { .. })), "{found:?}");
+    refused!(store.study_options(&study), Damaged { .. });
     let changed = Finding::RowChanged { object: "options/S-1".to_owned() };
     assert!(store.verify(None).expect("verifiable").findings.contains(&changed));
 }
@@ -85,8 +83,7 @@ fn a_kept_computation_is_that_of_its_inputs_only_and_damage_is_noticed() {
     assert!(kept.is_of("inputs") && !kept.is_of("other inputs"));
     assert_eq!(store.head().expect("a head"), head, "the log does not cover it");
     assert!(store.verify(None).expect("verifiable").is_clean());
-    let unknown = store.keep_computation(&name("S-2"), "replicates", &kept);
-    assert!(matches!(unknown, Err(StoreError::Unknown { .. })), "{unknown:?}");
+    refused!(store.keep_computation(&name("S-2"), "replicates", &kept), Unknown { .. });
     drop(store);
     let raw = rusqlite::Connection::open(&path).expect("a database");
     raw.execute("UPDATE computations SET found = 'other'", []).expect("an edit by hand");

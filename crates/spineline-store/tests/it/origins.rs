@@ -107,8 +107,7 @@ fn a_plan_without_proposals_takes_clicked_corners_only() {
     let reading = store.begin_planned(&film.code, &by("A", 2)).expect("a reading");
     assert!(!store.observer(&name("A")).reading(reading).expect("its own").proposals);
     for event in [accept(Level::T9), wall(Level::T9, Side::Left, 399.0)] {
-        let refused = store.record(reading, &event, 0, &by("A", 3));
-        assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");
+        refused!(store.record(reading, &event, 0, &by("A", 3)), BadEvent { .. });
     }
     record(&mut store, reading, &[place(Level::T9, Corner::SuperiorLeft, 400.0, 1000.0)]);
 }
@@ -117,8 +116,7 @@ fn a_plan_without_proposals_takes_clicked_corners_only() {
 fn vertebrae_that_are_not_whole_are_not_accepted() {
     let (_folder, mut store, reading) = begun();
     let mut refuse = |event: Event| {
-        let refused = store.record(reading, &event, 0, &by("A", 3));
-        assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");
+        refused!(store.record(reading, &event, 0, &by("A", 3)), BadEvent { .. });
     };
     refuse(Event::AcceptCorners { vertebrae: Vec::new() });
     for (corners, sd_share) in

@@ -176,16 +176,16 @@ fn every_film_is_read_once_per_round_and_after_the_washout() {
 #[test]
 fn a_repeat_begun_early_or_out_of_turn_is_refused() {
     let (_folder, mut store) = planned(DESIGN);
-    let refused = store.begin_planned(&FilmCode::new("NOCODE"), &by("A", 10));
-    assert!(matches!(refused, Err(StoreError::OutOfTurn)), "{refused:?}");
+    refused!(store.begin_planned(&FilmCode::new("NOCODE"), &by("A", 10)), OutOfTurn);
     let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
-    let refused = store.begin_planned(&film.code, &by("B", 10));
-    assert!(matches!(refused, Err(StoreError::OutOfTurn)), "a code of another: {refused:?}");
-    let refused =
-        store.begin_reading(store.films(&name("S-1")).expect("films")[0].id, 9, &by("A", 10));
-    assert!(matches!(refused, Err(StoreError::PlanGoverns { .. })), "{refused:?}");
+    // A code of another reader.
+    refused!(store.begin_planned(&film.code, &by("B", 10)), OutOfTurn);
+    refused!(
+        store.begin_reading(store.films(&name("S-1")).expect("films")[0].id, 9, &by("A", 10)),
+        PlanGoverns { .. }
+    );
     let refused = store.add_film(&name("S-1"), Posture::Erect, b"late", &image(), &by("lead", 10));
-    assert!(matches!(refused, Err(StoreError::PlanGoverns { .. })), "{refused:?}");
+    refused!(refused, PlanGoverns { .. });
     let reading = store.begin_planned(&film.code, &by("A", 10)).expect("the next film");
     assert_eq!(next(&store, "A", minute(11)), Next::Continue(film.clone(), reading));
     store.finish_reading(reading, 0, &by("A", 12)).expect("finished");
@@ -233,12 +233,10 @@ fn a_blinded_reader_sees_only_codes_and_own_readings_until_the_end() {
     store.record(first, &event, 0, &by("A", 10)).expect("an event");
     store.record(first, &Event::Undo, 1, &by("A", 10)).expect("an event");
     store.finish_reading(first, 2, &by("A", 10)).expect("finished");
-    let refused = store.observer(&b).reading(first);
-    assert!(matches!(refused, Err(StoreError::NotYours { .. })), "{refused:?}");
+    refused!(store.observer(&b).reading(first), NotYours { .. });
     assert_eq!(store.observer(&b).closed(first).expect("a reading"), None);
     // The film of this reading is read again, so its picture is hidden.
-    let refused = store.observer(&a).reading(first);
-    assert!(matches!(refused, Err(StoreError::Finished { .. })), "{refused:?}");
+    refused!(store.observer(&a).reading(first), Finished { .. });
     let closed = store.observer(&a).closed(first).expect("a reading");
     assert_eq!(closed, Some(ClosedReading { study: study.clone(), revision: 2 }));
     let sees = |store: &Store, who: &Name| store.observer(who).visibility(&study).expect("a study");
@@ -289,12 +287,11 @@ fn a_film_does_not_change_between_its_planned_readings() {
         // A stale edit is refused too, and not kept as a conflict that somebody could apply.
         for revision in [0, 5] {
             let refused = store.edit_film(before[0].id, edit, revision, &by("lead", 5));
-            assert!(matches!(refused, Err(StoreError::PlanRuns { .. })), "{refused:?}");
+            refused!(refused, PlanRuns { .. });
         }
     }
     read_all(&mut store, "A");
-    let refused = store.edit_film(before[0].id, edits[0], 0, &by("lead", 6));
-    assert!(matches!(refused, Err(StoreError::PlanRuns { .. })), "{refused:?}");
+    refused!(store.edit_film(before[0].id, edits[0], 0, &by("lead", 6)), PlanRuns { .. });
     assert_eq!(store.films(&name("S-1")).expect("films"), before);
     read_all(&mut store, "B");
     store.edit_film(before[0].id, edits[0], 0, &by("lead", 7)).expect("the plan is complete");
@@ -304,8 +301,7 @@ fn a_film_does_not_change_between_its_planned_readings() {
 fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
     let (_folder, mut store) = planned(DESIGN);
     let (study, lead) = (name("S-1"), by("lead", 50));
-    let refused = store.release_washout(&study, &lead);
-    assert!(matches!(refused, Err(StoreError::NothingAhead { .. })), "{refused:?}");
+    refused!(store.release_washout(&study, &lead), NothingAhead { .. });
     let ahead = 20 * 365 * DAY;
     // The clock of the first four readings is 20 years ahead.
     let mut last = String::new();
@@ -320,8 +316,7 @@ fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
     let entry = store.audit_log().expect("a log").pop().expect("an entry");
     assert_eq!((entry.action.as_str(), entry.object.as_str()), ("release", "plan/1"));
     assert_eq!((entry.actor.as_str(), entry.time_ms), ("lead", minute(70).unix_ms()));
-    let again = store.release_washout(&study, &by("lead", 71));
-    assert!(matches!(again, Err(StoreError::NothingAhead { .. })), "{again:?}");
+    refused!(store.release_washout(&study, &by("lead", 71)), NothingAhead { .. });
     // Readings dated by the right clock keep their washout.
     let (mut minutes, mut released, mut order) = (80, 80, Vec::new());
     loop {
@@ -343,8 +338,7 @@ fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
     assert!(order[..kept].iter().all(|(_, minutes)| *minutes == 80), "{order:?}");
     assert!(order[kept..].iter().all(|(_, minutes)| *minutes == released), "{order:?}");
     assert!(store.verify(None).expect("verifiable").is_clean());
-    let refused = store.release_washout(&name("S-9"), &lead);
-    assert!(matches!(refused, Err(StoreError::Unknown { .. })), "{refused:?}");
+    refused!(store.release_washout(&name("S-9"), &lead), Unknown { .. });
 }
 
 #[test]
@@ -372,18 +366,20 @@ fn an_empty_plan_or_a_plan_after_readings_is_refused() {
     let (_folder, mut store) = folder_with_new_store();
     let (study, lead) = (name("S-1"), by("lead", 1));
     store.add_study(&Study::new(study.clone(), None, true), &lead).expect("a study");
+    // The study has no films.
     let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);
-    assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "no films: {refused:?}");
+    refused!(refused, BadPlan { .. });
     let film = store.add_film(&study, Posture::Erect, b"x", &image(), &lead).expect("a film");
     for (observers, repeats) in [(&[][..], 2), (&[name("A")][..], 0), (&[name("A")][..], u32::MAX)]
     {
         let design = PlanDesign { repeats, ..DESIGN };
         let refused = store.reading_plan(&study, observers, design, &mut random(7), &lead);
-        assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "{refused:?}");
+        refused!(refused, BadPlan { .. });
     }
     store.begin_reading(film, 1, &by("A", 2)).expect("a reading");
+    // A reading was begun.
     let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);
-    assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "a reading: {refused:?}");
+    refused!(refused, BadPlan { .. });
 }
 
 #[test]
@@ -398,17 +394,15 @@ fn a_plan_is_changed_until_its_first_reading_begins() {
         store.change_plan(&study, plan, &[name("A"), name("C")], design, &mut random(9), &lead)
     };
     assert_eq!(change(&mut store, before.id).expect("changed"), 5 * 2);
-    let again = change(&mut store, before.id);
-    assert!(matches!(again, Err(StoreError::PlanReplaced { .. })), "{again:?}");
+    refused!(change(&mut store, before.id), PlanReplaced { .. });
     let now = store.open_plan(&study).expect("readable").expect("no reading yet");
     assert_eq!((&now.observers[..], now.design), (&[name("A"), name("C")][..], design));
-    let refused = store.begin_planned(&old.code, &by("A", 6));
-    assert!(matches!(refused, Err(StoreError::OutOfTurn)), "a code of the old plan: {refused:?}");
+    // A code of the old plan.
+    refused!(store.begin_planned(&old.code, &by("A", 6)), OutOfTurn);
     assert_eq!(next(&store, "B", minute(6)), Next::Done);
     let Next::Begin(film) = next(&store, "A", minute(6)) else { panic!("a film") };
     read_one(&mut store, &film, "A", 7);
     assert_eq!(store.open_plan(&study).expect("readable"), None);
-    let late = change(&mut store, now.id);
-    assert!(matches!(late, Err(StoreError::BadPlan { .. })), "{late:?}");
+    refused!(change(&mut store, now.id), BadPlan { .. });
     assert!(store.verify(None).expect("verifiable").is_clean());
 }

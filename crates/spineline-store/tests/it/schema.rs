@@ -122,11 +122,7 @@ fn a_study_takes_one_lateral_film() {
     let mut add =
         |seed| store.add_film(&study, lateral, &film_bytes(seed), &image(), &by("lead", 0));
     add(7).expect("the first one");
-    let refused = add(8).expect_err("a second one");
-    assert!(
-        matches!(refused, StoreError::ViewTwice { view: FilmView::Lateral, .. }),
-        "{refused:?}"
-    );
+    refused!(add(8), ViewTwice { view: FilmView::Lateral, .. });
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
 
@@ -151,8 +147,7 @@ fn a_store_with_the_described_schema_is_read_and_written() {
     let state = store.reading_state(ReadingId(2)).expect("a state");
     assert!(state.finished);
     assert_eq!(state.vertebrae[&Level::L4].corners[&Corner::InferiorRight], [4.0, 2.0]);
-    let refused = store.reading_state(ReadingId(4));
-    assert!(matches!(refused, Err(StoreError::Unknown { .. })), "{refused:?}");
+    refused!(store.reading_state(ReadingId(4)), Unknown { .. });
     store.edit_film(FilmId(1), FilmEdit::Inverted(true), 0, &by("lead", 0)).expect("a new thing");
     let chosen = ChosenOptions::new(&[option("support", "free")]).expect("valid");
     store.set_study_options(&study, &chosen, 0, &by("lead", 0)).expect("the new table");
@@ -193,8 +188,7 @@ fn a_store_without_the_number_of_its_schema_is_damaged_and_not_changed() {
         drop(raw);
         let before = fs::read(&path).expect("bytes");
         for refused in [Store::open(&path), Store::view(&path)] {
-            let refused = refused.expect_err("no schema");
-            assert!(matches!(refused, StoreError::Damaged { .. }), "{refused:?}");
+            refused!(refused, Damaged { .. });
         }
         assert!(fs::read(&path).expect("bytes") == before);
     }

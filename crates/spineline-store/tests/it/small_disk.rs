@@ -96,8 +96,7 @@ fn a_backup_without_room_is_refused_and_leaves_no_file() {
     let place = folder.path().join("disk");
     fs::create_dir(&place).expect("a folder");
     let Some(disk) = SmallDisk::mount(&place, 60) else { return };
-    let refused = store.backup_to(&place.join("copy")).expect_err("no room");
-    assert!(matches!(refused, StoreError::Full | StoreError::Disk { .. }), "{refused:?}");
+    refused!(store.backup_to(&place.join("copy")), Full | StoreError::Disk { .. });
     assert_eq!(fs::read_dir(&place).expect("a folder").count(), 0);
     disk.resize(100_000);
     assert!(store.backup_to(&place.join("copy")).expect("room").is_clean());

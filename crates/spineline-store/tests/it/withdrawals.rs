@@ -4,7 +4,7 @@ use serde_json::Value;
 use spineline::anatomy::{Level, Posture};
 use spineline_store::{
     CaseReadings, Corner, Event, ExportRemark, FilmEdit, FilmId, NewCase, PlanDesign, ReadingId,
-    Store, StoreError, Study, StudyEdit, WithdrawalCause, system_random,
+    Store, Study, StudyEdit, WithdrawalCause, system_random,
 };
 use tempfile::TempDir;
 
@@ -51,8 +51,7 @@ fn a_withdrawn_reading_stays_in_the_store_and_counts_nowhere() {
     assert_eq!(exported(&store).len(), 1);
     let changed = store.last_result_change(&name(STUDY)).expect("an entry");
 
-    let refused = store.withdraw_reading(READING, "  ", &by("lead", 70));
-    assert!(matches!(refused, Err(StoreError::NoReason { .. })), "{refused:?}");
+    refused!(store.withdraw_reading(READING, "  ", &by("lead", 70)), NoReason { .. });
     store.withdraw_reading(READING, "T6 lies on T7", &by("lead", 70)).expect("withdrawn");
     let record = store.reading(READING).expect("a reading");
     let withdrawal = record.withdrawn.clone().expect("a withdrawal");
@@ -70,10 +69,8 @@ fn a_withdrawn_reading_stays_in_the_store_and_counts_nowhere() {
     let last = actions(&store).pop().expect("an entry");
     assert_eq!(last, ("lead".into(), "withdraw".into(), "withdrawal/1".into()));
 
-    let again = store.withdraw_reading(READING, "again", &by("A", 71));
-    assert!(matches!(again, Err(StoreError::Withdrawn { .. })), "{again:?}");
-    let correction = store.correct_reading(READING, &by("A", 71));
-    assert!(matches!(correction, Err(StoreError::Withdrawn { .. })), "{correction:?}");
+    refused!(store.withdraw_reading(READING, "again", &by("A", 71)), Withdrawn { .. });
+    refused!(store.correct_reading(READING, &by("A", 71)), Withdrawn { .. });
     assert!(store.verify(None).expect("verifiable").is_clean());
     drop(store);
     let raw = rusqlite::Connection::open(folder.path().join("store")).expect("a database");
@@ -88,28 +85,23 @@ fn an_open_reading_that_is_withdrawn_takes_no_more_clicks() {
     let open = store.begin_reading(FilmId(2), 1, &by("A", 60)).expect("a reading");
     store.withdraw_reading(open, "begun by mistake", &by("A", 61)).expect("withdrawn");
     let click = place(Level::L4, Corner::SuperiorLeft, 1.0, 2.0);
-    let late = store.record(open, &click, 0, &by("A", 62));
-    assert!(matches!(late, Err(StoreError::Withdrawn { .. })), "{late:?}");
-    let late = store.finish_reading(open, 0, &by("A", 62));
-    assert!(matches!(late, Err(StoreError::Withdrawn { .. })), "{late:?}");
+    refused!(store.record(open, &click, 0, &by("A", 62)), Withdrawn { .. });
+    refused!(store.finish_reading(open, 0, &by("A", 62)), Withdrawn { .. });
 }
 
 #[test]
 fn a_correction_replaces_the_reading_when_it_is_finished() {
     let (_folder, mut store) = finished();
     let before = store.reading_state(READING).expect("a state");
-    let other = store.correct_reading(READING, &by("B", 70));
-    assert!(matches!(other, Err(StoreError::NotYours { .. })), "{other:?}");
+    refused!(store.correct_reading(READING, &by("B", 70)), NotYours { .. });
     let correction = store.correct_reading(READING, &by("A", 70)).expect("a copy");
     let copied = store.reading_state(correction).expect("a state");
     assert_eq!((&copied.vertebrae, copied.revision), (&before.vertebrae, CLICKED));
     assert!(!copied.finished);
     let record = store.reading(correction).expect("a reading");
     assert_eq!((record.repeat, record.corrects), (1, Some(READING)));
-    let second = store.correct_reading(READING, &by("A", 70));
-    assert!(matches!(second, Err(StoreError::Exists { .. })), "{second:?}");
-    let open = store.correct_reading(correction, &by("A", 70));
-    assert!(matches!(open, Err(StoreError::NotFinished { .. })), "{open:?}");
+    refused!(store.correct_reading(READING, &by("A", 70)), Exists { .. });
+    refused!(store.correct_reading(correction, &by("A", 70)), NotFinished { .. });
 
     // Until the end, the corrected reading counts; beside its correction it does not.
     let in_hand = CaseReadings::InHand { reading: correction, pending: &[] };
@@ -174,12 +166,10 @@ fn a_planned_study_keeps_its_readings_until_the_end_and_takes_no_correction() {
     };
     let first = read(&mut store, 1);
     for who in ["A", "lead"] {
-        let refused = store.withdraw_reading(first, "wrong", &by(who, 2));
-        assert!(matches!(refused, Err(StoreError::PlanRuns { .. })), "{refused:?}");
+        refused!(store.withdraw_reading(first, "wrong", &by(who, 2)), PlanRuns { .. });
     }
     read(&mut store, 3);
-    let refused = store.correct_reading(first, &by("A", 4));
-    assert!(matches!(refused, Err(StoreError::PlanGoverns { .. })), "{refused:?}");
+    refused!(store.correct_reading(first, &by("A", 4)), PlanGoverns { .. });
     store.withdraw_reading(first, "wrong", &by("lead", 5)).expect("withdrawn");
     // The study stays open.
     store.observer(&name("B")).reading(first).expect("visible");
@@ -192,8 +182,8 @@ fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
     let open = store.begin_reading(FilmId(2), 1, &by("A", 60)).expect("a reading");
     let label = StudyEdit::Label { label: Some("before brace".to_owned()) };
     store.edit_study(&study, &label, 0, &by("lead", 61)).expect("renamed");
-    let stale = store.edit_study(&study, &StudyEdit::Label { label: None }, 0, &by("lead", 62));
-    assert!(matches!(stale, Err(StoreError::Conflict { .. })), "{stale:?}");
+    let refused = store.edit_study(&study, &StudyEdit::Label { label: None }, 0, &by("lead", 62));
+    refused!(refused, Conflict { .. });
     assert_eq!(store.conflicts_of_study(&study).expect("kept").len(), 1);
     let archived = |archived| StudyEdit::Archived { archived };
     store.edit_study(&study, &archived(true), 1, &by("lead", 63)).expect("archived");
@@ -216,7 +206,7 @@ fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
         store.edit_study(&study, &StudyEdit::Label { label: None }, 2, &who).map(drop),
     ];
     for refused in refusals {
-        assert!(matches!(refused, Err(StoreError::Archived { .. })), "{refused:?}");
+        refused!(refused, Archived { .. });
     }
     assert_eq!(exported(&store).len(), 1, "it can be read and exported");
     store.edit_study(&study, &archived(false), 2, &by("lead", 65)).expect("restored");
@@ -234,8 +224,7 @@ fn films_are_added_to_a_study_all_or_none() {
     let study = store.study(&name(STUDY)).expect("a study");
     let neutral = NewCase::of(study).film(Posture::Neutral, film_bytes(8), image());
     let known = neutral.clone().film(Posture::Traction, film_bytes(1), image());
-    let refused = store.add_films(&known, &by("lead", 60));
-    assert!(matches!(refused, Err(StoreError::AlreadyKnown { .. })), "{refused:?}");
+    refused!(store.add_films(&known, &by("lead", 60)), AlreadyKnown { .. });
     assert_eq!(store.films(&name(STUDY)).expect("films").len(), 2);
     let added = store.add_films(&neutral, &by("lead", 61)).expect("a film");
     assert_eq!((added.films.len(), added.readings), (1, 0));
