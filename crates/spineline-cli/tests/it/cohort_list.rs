@@ -1,6 +1,6 @@
 //! `analyze --json` of a cohort: the list is written patient by patient.
 
-use crate::program::{folder, json, with_phantoms};
+use crate::program::{assert_says, folder, json, with_phantoms};
 use crate::results::results;
 
 /// More cases than one thread holds at once, and one file that is not a case.
@@ -10,14 +10,17 @@ fn a_list_in_a_file_has_the_same_bytes_for_any_number_of_threads_and_leaves_out_
     here.write("cases/a-bad-one.json", "{}");
     let list = |threads: &str| {
         let asked = ["analyze", "cases", "--json", "all.json", "--threads", threads];
-        let (_, error, code) = here.run(&asked);
+        let (text, error, code) = here.run(&asked);
         assert!(code == 3 && error.contains("a-bad-one.json"), "{error}");
+        assert_says(&text, &["6 patients · SYNTHETIC", "phantom-rod-06"]);
         results(&here.text("all.json"))
     };
     let one_thread = list("1");
     for threads in ["2", "8"] {
         assert!(list(threads) == one_thread, "the bytes depend on the threads ({threads})");
     }
+    let (printed, _, _) = here.run(&["analyze", "cases", "--json", "-"]);
+    assert!(results(&printed) == one_thread, "the printed list differs");
     let all = json(&one_thread);
     let all = all.as_array().expect("a list");
     assert_eq!(all.len(), 7);

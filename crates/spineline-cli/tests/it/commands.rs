@@ -4,9 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::program::{
-    CASE, Here, assert_says, folder, json, split, unwrapped, with_phantom, with_phantoms,
-};
+use crate::program::{CASE, Here, assert_says, folder, json, split, unwrapped, with_phantom};
 use crate::results::results;
 
 #[test]
@@ -187,15 +185,6 @@ fn other_loads_are_compared_on_request() {
     let json = json(&text);
     assert!(json["hypotheses"]["couple"].is_object(), "{}", json["hypotheses"]);
     assert!(here.run(&["analyze", case, "--compare-models", "magic"]).1.contains("couple"));
-}
-
-#[test]
-fn a_cohort_is_the_same_for_any_number_of_threads() {
-    let here = with_phantoms("pull", &["1", "5", "11"]);
-    let with = |threads: &str| here.run(&["analyze", "cases", "--json", "-", "--threads", threads]);
-    assert_eq!(results(&with("1").0), results(&with("3").0));
-    let (text, _, _) = here.run(&["analyze", "cases"]);
-    assert!(text.contains("3 patients · SYNTHETIC") && text.contains("phantom-pull-11"), "{text}");
 }
 
 #[test]

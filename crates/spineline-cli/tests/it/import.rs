@@ -244,11 +244,14 @@ fn a_ball_gives_the_scale_with_its_error_and_overrides_the_file() {
     let sd = image["spacing_relative_sd"].as_f64().expect("a number");
     let by_hand = (0.5 / 40f64.powi(2) + (0.1f64 / 25.0).powi(2)).sqrt();
     assert!((sd - by_hand).abs() < 1e-12, "{sd}");
-    let error = here.import_refused(
-        &split("a.dcm --case-id A --out b --film erect=1 --ball erect=10,20,11,20,25"),
-        2,
-    );
-    assert!(error.contains("1.0 pixels apart"), "{error}");
+    for (ball, words) in [
+        ("erect=10,20,11,20,25", "1.0 pixels apart"),
+        ("erect=70,110,75,110,25", "the point 70.0, 110.0 lies outside of the 60 × 41 picture"),
+    ] {
+        let asked = ["a.dcm", "--case-id", "A", "--out", "b", "--film", "erect=1", "--ball", ball];
+        let error = here.import_refused(&asked, 2);
+        assert!(unwrapped(&error).contains(words), "{error}");
+    }
 }
 
 #[test]

@@ -66,6 +66,16 @@ fn one_picture_in_two_files_is_refused_for_two_postures() {
         }
     }
     assert!(!here.path("a.json").exists() && !here.path("r.html").exists());
+    // The picture of a frontal film is not a lateral one either.
+    case(&here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
+    here.change(CASE, |with| {
+        with["lateral"] = json!({ "image": {
+            "columns": 9000, "rows": 9000, "patient_anterior": "image_left", "file": "side.dcm",
+        } });
+    });
+    here.write("side.dcm", film(2, "1.2.3.9", EXPLICIT));
+    let error = here.refused(&["check", CASE], 3);
+    assert!(error.contains("neutral film") && error.contains("lateral film"), "{error}");
 }
 
 #[test]
@@ -151,20 +161,6 @@ fn a_film_of_another_patient_or_part_of_the_body_is_noticed_by_every_command() {
             fs::remove_file(here.path(file)).expect("removed");
         }
     }
-}
-
-#[test]
-fn the_picture_of_a_frontal_film_is_no_lateral_one_in_another_file() {
-    let here = folder();
-    case(&here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
-    here.change(CASE, |with| {
-        with["lateral"] = json!({ "image": {
-            "columns": 9000, "rows": 9000, "patient_anterior": "image_left", "file": "side.dcm",
-        } });
-    });
-    here.write("side.dcm", film(2, "1.2.3.9", EXPLICIT));
-    let error = here.refused(&["check", CASE], 3);
-    assert!(error.contains("neutral film") && error.contains("lateral film"), "{error}");
 }
 
 /// Corners of T9 and T8 by name: column and row.
