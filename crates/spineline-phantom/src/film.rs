@@ -1,6 +1,7 @@
 //! Films of true postures: orientation and scale, and the landmarks that readers mark.
 
 use std::collections::BTreeMap;
+use std::mem::swap;
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::Rng;
@@ -91,6 +92,47 @@ fn coarse_image(image: &ImageGeometry, factor: u32) -> ImageGeometry {
         ..spacing
     });
     ImageGeometry { columns: image.columns / factor, rows: image.rows / factor, spacing, ..*image }
+}
+
+/// Mirrors the picture of a film. All landmarks and the patient's left move to the other side of the picture, so that
+/// the film shows the same patient.
+///
+/// # Panics
+/// If the film has locations of another program instead of landmarks.
+pub fn mirror(film: &mut Film) {
+    let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
+        panic!("a film without a picture")
+    };
+    let last = f64::from(image.columns) - 1.0;
+    let to = |place: Pixel| Pixel::new(last - place.column_px, place.row_px);
+    image.patient_left = image.patient_left.opposite();
+    *iliac_crests =
+        iliac_crests.map(|one| IliacCrests { left: to(one.left), right: to(one.right) });
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        landmark.corners = landmark.corners.map(to);
+        landmark.walls = landmark.walls.map(|wall| wall.map(to));
+        landmark.pedicles = landmark.pedicles.map(|pedicle| pedicle.map(to));
+        landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
+    }
+}
+
+/// Exchanges left and right on a film: in its landmarks, which stay at their places, and in the side of the patient's
+/// left. The film is as marked by someone who takes the picture for its mirror image.
+///
+/// # Panics
+/// If the film has locations of another program instead of landmarks.
+pub fn exchange_sides(film: &mut Film) {
+    let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
+        panic!("a film without a picture")
+    };
+    image.patient_left = image.patient_left.opposite();
+    *iliac_crests = iliac_crests.map(|one| IliacCrests { left: one.right, right: one.left });
+    for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        swap(&mut landmark.corners.superior_left, &mut landmark.corners.superior_right);
+        swap(&mut landmark.corners.inferior_left, &mut landmark.corners.inferior_right);
+        landmark.walls.reverse();
+        landmark.pedicles.reverse();
+    }
 }
 
 /// Makes a film of every posture and its readings.

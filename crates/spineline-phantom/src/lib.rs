@@ -49,7 +49,7 @@ mod truth;
 
 pub use build::{Build, Construction};
 pub use error::PhantomError;
-pub use film::{Polarity, TrueFilm};
+pub use film::{Polarity, TrueFilm, exchange_sides, mirror};
 pub use radiograph::Radiograph;
 pub use readers::Readers;
 pub use space::{

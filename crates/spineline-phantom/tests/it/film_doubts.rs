@@ -1,7 +1,6 @@
 //! How often films are doubted: films of sound patients, and films that were exchanged, mirrored or read twice.
 
 use std::collections::BTreeMap;
-use std::mem::swap;
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -9,9 +8,11 @@ use rand_distr::{Distribution, Normal};
 use rayon::prelude::*;
 use spineline::analysis::{AnalysisOptions, Case, analyze_movement};
 use spineline::anatomy::Posture;
-use spineline::measure::{Corners, Film, FilmLandmarks, IliacCrests};
+use spineline::measure::{Corners, Film, FilmLandmarks};
 use spineline::spatial::Pixel;
-use spineline_phantom::{Build, Construction, Readers, SUBJECTS, Scenario, generate_built};
+use spineline_phantom::{
+    Build, Construction, Readers, SUBJECTS, Scenario, exchange_sides, generate_built,
+};
 
 /// Codes of a case: of its doubts, or of the error that refuses it.
 fn codes(case: &Case) -> Vec<&'static str> {
@@ -28,19 +29,6 @@ fn codes(case: &Case) -> Vec<&'static str> {
 
 fn film_mut(case: &mut Case, posture: Posture) -> &mut Film {
     case.film_mut(posture).expect("all films")
-}
-
-/// The film as marked by someone who takes the picture for its mirror image.
-fn mirror(film: &mut Film) {
-    let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
-        panic!("phantoms have corners")
-    };
-    image.patient_left = image.patient_left.opposite();
-    for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {
-        swap(&mut landmark.corners.superior_left, &mut landmark.corners.superior_right);
-        swap(&mut landmark.corners.inferior_left, &mut landmark.corners.inferior_right);
-    }
-    *iliac_crests = iliac_crests.map(|c| IliacCrests { left: c.right, right: c.left });
 }
 
 /// Gives a posture the film of another one, marked by other readers of the same kind.
@@ -95,9 +83,9 @@ fn with_fault(sound: &Case, fault: usize, readers: &Readers, seed: u64) -> Case 
                 };
             }
         }
-        1 => mirror(film_mut(&mut case, LeftBending)),
-        2 => mirror(film_mut(&mut case, RightBending)),
-        3 => mirror(film_mut(&mut case, Neutral)),
+        1 => exchange_sides(film_mut(&mut case, LeftBending)),
+        2 => exchange_sides(film_mut(&mut case, RightBending)),
+        3 => exchange_sides(film_mut(&mut case, Neutral)),
         4 => read_again(&mut case, (Erect, LeftBending), readers, seed),
         5 => read_again(&mut case, (Erect, Neutral), readers, seed),
         6 => read_again(&mut case, (Neutral, Traction), readers, seed),

@@ -1,8 +1,7 @@
 //! Cobb angles between endplates, against closed forms and against the corners of films themselves.
 
 use crate::common::{
-    analyzed, exact_case, exchange_sides, film_mut, landmarks, landmarks_mut, on_a_table,
-    other_side, phantom,
+    analyzed, exact_case, film_mut, landmarks, landmarks_mut, on_a_table, other_side, phantom,
 };
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::{Level, Posture, Region, Side};
@@ -11,7 +10,7 @@ use spineline::measure::{
     FilmLandmarks, ImageGeometry, Placement, Reading, SpacingPlane, TiltRule, VertebraLandmarks,
 };
 use spineline::spatial::Angle;
-use spineline_phantom::{Readers, Scenario};
+use spineline_phantom::{Readers, Scenario, exchange_sides};
 
 /// Corners are pixels of doubles.
 const ROUNDING_DEG: f64 = 1e-9;

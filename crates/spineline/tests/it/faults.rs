@@ -3,8 +3,8 @@
 use std::mem::swap;
 
 use crate::common::{
-    analyzed, case_of, exact_case, exchange_sides, film_mut, graph_film, landmarks, move_places,
-    on_a_table, other_side, refused, spacing, turn_axes, warned,
+    analyzed, case_of, exact_case, film_mut, graph_film, landmarks, move_places, on_a_table,
+    other_side, refused, spacing, turn_axes, warned,
 };
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
@@ -15,6 +15,7 @@ use spineline::error::{CaseError, Error};
 use spineline::measure::{IliacCrests, MeasureFault};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::{Step, WarningCode};
+use spineline_phantom::exchange_sides;
 
 fn kinds(analysis: &Analysis) -> Vec<LineKind> {
     analysis.models.iter().map(|model| model.kind).collect()

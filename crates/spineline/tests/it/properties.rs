@@ -1,8 +1,8 @@
 //! What must not change, or change in a known way, when films are mirrored, moved, scaled, or read in another order.
 
 use crate::common::{
-    self, analyzed, assert_near, case_of, exchange_sides, landmarks, measured, mirror,
-    move_landmarks, move_places, on_a_table, other_side, phantom, placement_film, spacing,
+    self, analyzed, assert_near, case_of, landmarks, measured, move_landmarks, move_places,
+    on_a_table, other_side, phantom, placement_film, spacing,
 };
 use proptest::prelude::*;
 use spineline::action::LineKind;
@@ -11,7 +11,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::Film;
 use spineline::personalize::{FitStatus, FitTarget};
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline_phantom::{Readers, Scenario};
+use spineline_phantom::{Readers, Scenario, exchange_sides, mirror};
 
 /// Values computed once from landmarks by a few operations, in mm and rad.
 const ROUNDING: f64 = 1e-9;

@@ -1,14 +1,15 @@
 //! Films that show another posture or another patient than they are named after.
 
 use crate::common::{
-    Draw, all_landmarks, analyzed, exact_case, exchange_sides, film_mut, landmarks, mirrored,
-    move_landmarks, on_a_table, warned,
+    Draw, all_landmarks, analyzed, exact_case, film_mut, landmarks, mirrored, move_landmarks,
+    on_a_table, warned,
 };
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::{Severity, WarningCode};
+use spineline_phantom::exchange_sides;
 
 const BENDS: [Posture; 2] = [Posture::LeftBending, Posture::RightBending];
 

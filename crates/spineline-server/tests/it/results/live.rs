@@ -3,6 +3,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Corners, FilmLandmarks, VertebraLandmarks};
 use spineline::spatial::{Angle, Pixel};
+use spineline_phantom::mirror;
 use spineline_store::{PlanDesign, ReadingId, Store, system_random};
 
 use super::server::{
@@ -163,33 +164,14 @@ fn crossing(corners: &Corners<Pixel>) -> [f64; 2] {
     (a + (b - a) * parts[0]).into()
 }
 
-/// The same films, mirrored.
-fn mirrored(case: &Case) -> Case {
-    let mut case = case.clone();
-    for film in &mut case.films {
-        let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
-            panic!("landmarks")
-        };
-        let last = f64::from(image.columns - 1);
-        let mirror = |p: Pixel| Pixel::new(last - p.column_px, p.row_px);
-        image.patient_left = image.patient_left.opposite();
-        if let Some(crests) = iliac_crests {
-            (crests.left, crests.right) = (mirror(crests.left), mirror(crests.right));
-        }
-        for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
-            landmark.corners = landmark.corners.map(mirror);
-            landmark.axis_clockwise = landmark.axis_clockwise.map(|axis| -axis);
-        }
-    }
-    case
-}
-
 #[test]
 fn a_mirrored_film_has_the_mirrored_overlay() {
     let case = phantom().case;
+    let mut mirrored = case.clone();
+    mirrored.films.iter_mut().for_each(mirror);
     let running = serve(|store| {
         add_read_study(store, "S1", &case);
-        add_read_study(store, "S2", &mirrored(&case));
+        add_read_study(store, "S2", &mirrored);
     });
     let films = case.films.len();
     for (film, marked) in case.films.iter().enumerate() {

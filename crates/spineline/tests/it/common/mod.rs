@@ -6,8 +6,6 @@ pub mod elastica;
 pub mod everything;
 pub mod independent;
 
-use std::mem::swap;
-
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, PediclePlace, Posture, Region, SagittalProfile};
@@ -22,7 +20,7 @@ use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::uncertainty::{MonteCarlo, Uncertainty};
 use spineline::warning::{Warning, WarningCode, Warnings};
-use spineline_phantom::{Phantom, Readers, Scenario, TrueBody, generate};
+use spineline_phantom::{Phantom, Readers, Scenario, TrueBody, generate, mirror};
 
 /// A small generator of numbers, so that "random" inputs are the same on every machine (xorshift64*).
 pub struct Draw(u64);
@@ -169,32 +167,11 @@ pub fn turn_axes(film: &mut Film, to: impl Fn(Angle) -> Angle) {
         .for_each(|landmark| landmark.axis_clockwise = landmark.axis_clockwise.map(&to));
 }
 
-/// Mirrors the picture of a film. The patient's left moves to the other side of the picture.
-pub fn mirror(film: &mut Film) {
-    let (image, ..) = landmarks(film);
-    let last = f64::from(image.columns) - 1.0;
-    image.patient_left = image.patient_left.opposite();
-    move_places(film, |place| Pixel::new(last - place.column_px, place.row_px));
-    turn_axes(film, |axis| -axis);
-}
-
 /// All pictures seen from the other side.
 pub fn mirrored(case: &Case) -> Case {
     let mut case = case.clone();
     case.films.iter_mut().for_each(mirror);
     case
-}
-
-/// Exchanges left and right on a film: in corners, crests and the picture's side.
-pub fn exchange_sides(film: &mut Film) {
-    for landmark in all_landmarks(film) {
-        let corners = &mut landmark.corners;
-        swap(&mut corners.superior_left, &mut corners.superior_right);
-        swap(&mut corners.inferior_left, &mut corners.inferior_right);
-    }
-    let (image, crests, _) = landmarks(film);
-    image.patient_left = image.patient_left.opposite();
-    *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
 }
 
 /// The same posture of the patient's mirror image.
