@@ -6,22 +6,15 @@ use spineline::anatomy::{FilmView, Level, Posture, Side};
 use spineline::measure::{Film, FilmLandmarks, Reading, VertebraLandmarks};
 use spineline_files::{FilmSource, image_value};
 use spineline_phantom::{Phantom, Readers, Scenario, generate};
-use spineline_store::{
-    Access, Corner, Event, FilmId, ReadingId, Signature, Store, Study, Timestamp,
-};
+use spineline_store::{Access, Corner, Event, FilmId, ReadingId, Signature, Store, Study};
 
 use crate::browser::App;
-pub use crate::browser::name;
+pub use crate::browser::{by, name};
 
 pub const READER: &str = "A";
 
 pub fn phantom() -> Phantom {
     generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists")
-}
-
-pub fn by(who: &str) -> Signature {
-    let noon = Timestamp::from_unix_ms(1_760_000_000_000).expect("a time");
-    Signature::new(name(who), noon)
 }
 
 /// An app over a store that was filled before, asked by [`READER`].
