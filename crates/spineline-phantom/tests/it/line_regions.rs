@@ -199,8 +199,7 @@ fn stiffness_held(phantom: &Phantom, analysis: &Analysis) -> Vec<bool> {
         Scenario::Pull => LineKind::Iliac,
         _ => return Vec::new(),
     };
-    let model = analysis.models.iter().find(|model| model.kind == kind);
-    let Some(model) = model else { return Vec::new() };
+    let Some(model) = analysis.model(kind) else { return Vec::new() };
     let Some(found) = analysis.identifiability(model) else { return Vec::new() };
     let mean = |group: usize| {
         let joints = model.groups.of_joint().iter().zip(&phantom.joint_logs);

@@ -275,8 +275,7 @@ fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
     }
     let without = analyzed(&phantom);
     let outcome = |analysis: &Analysis| {
-        let mut models = analysis.models.iter();
-        let model = models.find(|model| model.kind == LineKind::Iliac).expect("it has a model");
+        let model = analysis.model(LineKind::Iliac).expect("it has a model");
         analysis.compatibility(model).outcome()
     };
     assert_eq!(outcome(&with), TestOutcome::Kept);
@@ -360,8 +359,8 @@ fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
                 let phantom = generate(index, scenario, &readers, 1).expect("a phantom");
                 let analysis = analyzed(&phantom);
                 let found = lines.map(|kind| {
-                    let model = analysis.models.iter().find(|model| model.kind == kind);
-                    (kind, analysis.compatibility(model.expect("every line has a model")))
+                    let model = analysis.model(kind).expect("every line has a model");
+                    (kind, analysis.compatibility(model))
                 });
                 // The text omits films that may be wrong.
                 if analysis.has_doubted_film()

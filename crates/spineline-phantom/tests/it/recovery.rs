@@ -37,7 +37,7 @@ fn analyzed(phantom: &Phantom, grouping: Grouping) -> Analysis {
 }
 
 fn model(analysis: &Analysis, kind: LineKind) -> &LineModel {
-    analysis.models.iter().find(|model| model.kind == kind).expect("a phantom has every line")
+    analysis.model(kind).expect("a phantom has every line")
 }
 
 /// Mean location error of a usable simulation; infinite without one.

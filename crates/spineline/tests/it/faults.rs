@@ -83,9 +83,7 @@ fn bends_that_lean_to_one_side_are_not_exchanged() {
 fn lines_that_the_bends_reject_have_their_contradictions_in_the_result_alone() {
     // Oracle: all joints turn to one side, so that no force through the inflections bent the spine.
     let analysis = analyzed(&exact_case(0), &on_a_table());
-    let mut models = analysis.models.iter();
-    let rejected =
-        models.find(|model| model.kind == LineKind::Inflection).expect("two inflections");
+    let rejected = analysis.model(LineKind::Inflection).expect("two inflections");
     assert!(analysis.compatibility(rejected).rejects());
     assert!(
         rejected.simulations.iter().any(|film| film.contradicted.iter().any(|j| j.beyond_noise))
