@@ -9,6 +9,7 @@ use spineline::cohort::{Cohort, CohortPatient};
 use spineline::multibody::PathEnding;
 use spineline::number::fixed;
 use spineline::reliability::{RatedQuantity, assess};
+use spineline::spatial::Pixel;
 use spineline_phantom::Scenario;
 use spineline_report::cohort::{self, PatientRow};
 use spineline_report::document::{Block, Table};
@@ -95,15 +96,7 @@ fn a_doubted_film_and_a_shorter_chain_are_named() {
             reading.vertebrae.retain(|level, _| *level <= Level::T4);
             // Equal landmarks would be refused, so the film lies a little lower on its picture.
             for body in reading.vertebrae.values_mut().filter(|_| is_left) {
-                let corners = &mut body.corners;
-                for corner in [
-                    &mut corners.superior_left,
-                    &mut corners.superior_right,
-                    &mut corners.inferior_left,
-                    &mut corners.inferior_right,
-                ] {
-                    corner.row_px += 5.0;
-                }
+                body.corners = body.corners.map(|p| Pixel::new(p.column_px, p.row_px + 5.0));
             }
         }
     }
