@@ -135,10 +135,11 @@ pub fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in {text}"))
 }
 
-/// The program in a folder, which keeps its configuration there.
+/// The program in a folder, which keeps its configuration there, on the second of January 2026 at 03:04:05 UTC.
 pub fn spineline(folder: &Path) -> Command {
     let mut command = Command::cargo_bin("spineline").expect("the program is built for its tests");
     command.current_dir(folder).env("XDG_CONFIG_HOME", folder.join("configuration"));
+    command.env("SOURCE_DATE_EPOCH", "1767323045");
     command
 }
 

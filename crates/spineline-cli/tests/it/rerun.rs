@@ -1,33 +1,26 @@
 //! An analysis again from nothing but its file, and where outputs say that they come from.
 
 use std::fs;
-use std::path::Path;
 
 use spineline_files::Content;
 
-use crate::program::{CASE, assert_says, finish, json, spineline, split, with_phantom};
-
-/// Standard output, standard error and exit code, at a fixed date.
-fn run(folder: &Path, arguments: &[&str]) -> (String, String, i32) {
-    finish(spineline(folder).env("SOURCE_DATE_EPOCH", "1767323045").args(arguments))
-}
+use crate::program::{CASE, assert_says, finish, json, spineline, split, succeeded, with_phantom};
 
 #[test]
 fn an_analysis_is_repeated_from_its_file() {
     let here = with_phantom(&[]);
     let at = |name: &str| here.path(name);
-    let stiffness = run(here.folder(), &["stiffness"]).0.replace("132.0", "131.9");
+    let stiffness = here.done(&["stiffness"]).replace("132.0", "131.9");
     here.write("springs.json", stiffness);
     let asked = split(
         "--json a.json --fit ferguson --stiffness springs.json --compare-models couple \
          --replicates 3 --noise 2.5 --seed 7 --identifiability --min-curve 4.1",
     );
-    assert_eq!(run(here.folder(), &[&["analyze", CASE], &asked[..]].concat()).2, 0);
+    here.done(&[&["analyze", CASE], &asked[..]].concat());
     fs::create_dir(at("elsewhere")).expect("a folder");
     fs::rename(at("a.json"), at("elsewhere/a.json")).expect("moved");
-    let (text, error, code) =
-        run(&at("elsewhere"), &["rerun", "a.json", "--json", "b.json", "--tolerance", "0"]);
-    assert_eq!(code, 0, "{text}{error}");
+    let again = ["rerun", "a.json", "--json", "b.json", "--tolerance", "0"];
+    let text = succeeded(finish(spineline(&at("elsewhere")).args(again)));
     assert_says(
         &text,
         &["SYNTHETIC", "Nothing differs", "2026-01-02T03:04:05Z", "not here", "--min-curve"],
@@ -45,7 +38,7 @@ fn an_analysis_is_repeated_from_its_file() {
 fn changes_are_listed_with_their_place_and_set_the_exit_code() {
     let here = with_phantom(&[]);
     // The case lies elsewhere, where only its whole path finds it.
-    assert_eq!(run(here.folder(), &["analyze", CASE, "--json", "a.json", "--full-paths"]).2, 0);
+    here.done(&["analyze", CASE, "--json", "a.json", "--full-paths"]);
     let mut file = here.json("a.json");
     let length = file["chain"]["segment_mm"].as_f64().expect("a number");
     file["chain"]["segment_mm"] = (length * (1.0 + 1e-6)).into();
@@ -53,7 +46,7 @@ fn changes_are_listed_with_their_place_and_set_the_exit_code() {
     file["provenance"]["program"] = "spineline 0.0.1".into();
     here.write("a.json", file.to_string());
     here.write(CASE, "{}");
-    let (text, _, code) = run(here.folder(), &["rerun", "a.json"]);
+    let (text, _, code) = here.run(&["rerun", "a.json"]);
     assert_eq!(code, 4, "{text}");
     assert_says(
         &text,
@@ -66,10 +59,10 @@ fn changes_are_listed_with_their_place_and_set_the_exit_code() {
             "then spineline 0.0.1",
         ],
     );
-    let (text, _, code) = run(here.folder(), &["rerun", "a.json", "--tolerance", "1e-5"]);
+    let (text, _, code) = here.run(&["rerun", "a.json", "--tolerance", "1e-5"]);
     assert!(code == 4 && !text.contains("chain.segment_mm"), "a text has no tolerance: {text}");
     here.write("a.json", "%PDF-1.7 and no analysis");
-    let (_, error, code) = run(here.folder(), &["rerun", "a.json"]);
+    let (_, error, code) = here.run(&["rerun", "a.json"]);
     // A build without typesetter reads no PDF, and says so.
     let (expected, words) = if cfg!(feature = "pdf") {
         (3, "this file has no analysis")
@@ -78,14 +71,14 @@ fn changes_are_listed_with_their_place_and_set_the_exit_code() {
     };
     assert!(code == expected && error.contains(words), "{error}");
     here.write("a.json", "{\"format\": \"spineline-analysis\", ");
-    let (_, error, code) = run(here.folder(), &["rerun", "a.json"]);
+    let (_, error, code) = here.run(&["rerun", "a.json"]);
     assert!(code == 3 && error.contains("not JSON"), "{error}");
 }
 
 #[test]
 fn a_key_that_stands_twice_is_refused() {
     let here = with_phantom(&[]);
-    assert_eq!(run(here.folder(), &["analyze", CASE, "--json", "a.json"]).2, 0);
+    here.done(&["analyze", CASE, "--json", "a.json"]);
     let text = here.text("a.json");
     let case = here.text(CASE);
     let other = case.replace("phantom-rod-01", "phantom-rod-02");
@@ -97,7 +90,7 @@ fn a_key_that_stands_twice_is_refused() {
         assert_ne!(twice, text, "the test means something");
         here.write("a.json", &twice);
         for command in ["rerun", "check", "analyze"] {
-            let (_, error, code) = run(here.folder(), &[command, "a.json"]);
+            let (_, error, code) = here.run(&[command, "a.json"]);
             let said = error.contains(key) && error.contains("given twice");
             assert!(code == 3 && said, "{command}: {code} {error}");
         }
@@ -108,8 +101,8 @@ fn a_key_that_stands_twice_is_refused() {
 fn a_report_with_another_printed_number_is_found() {
     let here = with_phantom(&[]);
     for name in ["r.html", "r.md"] {
-        assert_eq!(run(here.folder(), &["report", CASE, "--out", name]).2, 0);
-        let (text, _, code) = run(here.folder(), &["rerun", name]);
+        here.done(&["report", CASE, "--out", name]);
+        let (text, _, code) = here.run(&["rerun", name]);
         assert!(code == 0 && text.contains("Page: as it was written"), "{text}");
         let page = here.text(name);
         let at = page.find('°').expect("an angle");
@@ -117,12 +110,12 @@ fn a_report_with_another_printed_number_is_found() {
         let other = if &page[digit..=digit] == "7" { "8" } else { "7" };
         let changed = [&page[..digit], other, &page[digit + 1..]].concat();
         here.write(name, changed);
-        let (text, error, code) = run(here.folder(), &["rerun", name]);
+        let (text, error, code) = here.run(&["rerun", name]);
         assert!(code == 4 && text.contains("Page: CHANGED"), "{text}{error}");
         assert!(text.contains("Nothing differs"), "the analysis in it is as it was: {text}");
         let without = page.replace("content_sha256", "content");
         here.write(name, without);
-        let (text, ..) = run(here.folder(), &["rerun", name]);
+        let (text, ..) = here.run(&["rerun", name]);
         assert!(text.contains("Page: NOT CHECKED"), "{text}");
     }
 }
@@ -133,9 +126,9 @@ fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
     here.add_phantom(&["--subject", "2"]);
     let asked =
         ["analyze", "cases", "--json", "all.json", "--figures", "first", "--support", "frontal"];
-    assert_eq!(run(here.folder(), &asked).2, 0);
+    here.done(&asked);
     fs::remove_dir_all(here.path("cases")).expect("gone");
-    let (text, error, code) = run(here.folder(), &["rerun", "all.json", "--figures", "second"]);
+    let (text, error, code) = here.run(&["rerun", "all.json", "--figures", "second"]);
     assert_eq!(code, 0, "{error}");
     assert!(text.contains("phantom-rod-01") && text.contains("phantom-rod-02"), "{text}");
     let picture = |folder: &str, name: &str| {
@@ -156,7 +149,7 @@ fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
 #[test]
 fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
     let here = with_phantom(&[]);
-    let analyse = |asked: &[&str]| run(here.folder(), &[&["analyze"], asked].concat());
+    let analyse = |asked: &[&str]| here.run(&[&["analyze"], asked].concat());
     assert_eq!(analyse(&[CASE, "--json", "a.json", "--fit", "ferguson"]).2, 0);
     let (of_case, _, _) = analyse(&[CASE]);
     let (of_analysis, error, code) = analyse(&["a.json"]);
@@ -182,7 +175,7 @@ fn a_case_is_read_from_an_analysis_and_other_options_are_reported() {
     let (_, error, code) = analyse(&["fewer.json", CASE]);
     let words = "has the landmarks of a film of the case fewer";
     assert!(code == 3 && error.contains(words), "{error}");
-    assert_eq!(run(here.folder(), &["check", "a.json"]).2, 0);
+    here.done(&["check", "a.json"]);
 }
 
 #[test]
@@ -191,11 +184,11 @@ fn every_file_of_an_analysis_has_provenance() {
     let outputs = split(
         "--json a.json --csv errors.csv --chain chain.csv --cohort cohort.json --model model.json",
     );
-    assert_eq!(run(here.folder(), &[&["analyze", CASE], &outputs[..]].concat()).2, 0);
+    here.done(&[&["analyze", CASE], &outputs[..]].concat());
     let simulate =
         ["simulate", "model.json", "--push", "left", "--force", "20", "--json", "s.json"];
-    assert_eq!(run(here.folder(), &simulate).2, 0);
-    assert_eq!(run(here.folder(), &["reliability", CASE, "--json", "r.json"]).2, 0);
+    here.done(&simulate);
+    here.done(&["reliability", CASE, "--json", "r.json"]);
     let hash = spineline_files::sha256_hex(&fs::read(here.path(CASE)).expect("the case"));
     for name in [
         "a.json",
