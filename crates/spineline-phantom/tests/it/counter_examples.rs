@@ -4,9 +4,7 @@ use spineline::anatomy::Posture;
 use spineline::spatial::{Angle, Pixel};
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate, generate_read};
 
-fn phantom(index: usize, scenario: Scenario) -> Phantom {
-    generate(index, scenario, &Readers::exact(), 1).expect("all subjects have phantoms")
-}
+use crate::recovery::exact;
 
 fn turns_rad(phantom: &Phantom, posture: Posture) -> Vec<f64> {
     let tilts = &phantom.posture(posture).expect("five postures").tilts;
@@ -35,7 +33,7 @@ fn corners(phantom: &Phantom) -> Vec<Pixel> {
 #[test]
 fn a_flattened_spine_keeps_the_shape_of_its_curvature() {
     // Oracle: by definition, each turn is multiplied by one number per posture.
-    let phantom = phantom(3, Scenario::Flatten);
+    let phantom = exact(3, Scenario::Flatten);
     let erect = turns_rad(&phantom, Posture::Erect);
     for posture in Posture::MOVED {
         let moved = turns_rad(&phantom, posture);
@@ -52,7 +50,7 @@ fn a_flattened_spine_keeps_the_shape_of_its_curvature() {
 fn a_line_beside_the_inflections_rotates_joints_by_their_lever_arms() {
     // Oracle: a joint with both ends on one side of the line turns to that side; springs do not push back.
     for index in [0, 10, 17] {
-        let phantom = phantom(index, Scenario::Offset);
+        let phantom = exact(index, Scenario::Offset);
         for posture in Posture::MOVED {
             let moved = phantom.posture(posture).expect("five postures");
             let line = moved.line.expect("a force has a line");
@@ -76,7 +74,7 @@ fn a_line_beside_the_inflections_rotates_joints_by_their_lever_arms() {
 #[test]
 fn a_distributed_horizontal_load_rotates_every_joint_to_its_side_and_the_lowest_most() {
     // Oracle: its moment has one sign and increases towards L4, because everything above adds to it.
-    let phantom = phantom(0, Scenario::Spread);
+    let phantom = exact(0, Scenario::Spread);
     for (posture, sense) in [(Posture::LeftBending, -1.0), (Posture::RightBending, 1.0)] {
         let moved = phantom.posture(posture).expect("five postures");
         assert!(moved.force_n * sense < 0.0, "+y is the patient's left");
@@ -92,7 +90,7 @@ fn a_distributed_horizontal_load_rotates_every_joint_to_its_side_and_the_lowest_
 fn random_rotations_have_both_signs_and_bends_have_their_sides() {
     // Oracle: 14 independent normal turns have one sign once in 8000 times.
     for index in 0..SUBJECTS.len() {
-        let phantom = phantom(index, Scenario::Random);
+        let phantom = exact(index, Scenario::Random);
         let tilt =
             |posture| phantom.posture(posture).expect("five postures").locations[14].lateral_tilt();
         assert!(tilt(Posture::LeftBending) < tilt(Posture::RightBending));
@@ -106,7 +104,7 @@ fn phantoms_of_a_subject_share_anatomy_in_every_scenario() {
     // Oracle: the erect posture is drawn before anything moves.
     for index in 0..SUBJECTS.len() {
         let erect = Scenario::ALL.map(|scenario| {
-            phantom(index, scenario).posture(Posture::Erect).expect("an erect posture").clone()
+            exact(index, scenario).posture(Posture::Erect).expect("an erect posture").clone()
         });
         assert!(erect.iter().all(|other| *other == erect[0]));
     }

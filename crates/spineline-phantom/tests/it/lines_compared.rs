@@ -15,9 +15,7 @@ use spineline::personalize::{Gauge, TestOutcome};
 use spineline::spatial::Pixel;
 use spineline_phantom::{Phantom, Readers, Scenario, generate};
 
-fn exact(index: usize, scenario: Scenario) -> Phantom {
-    generate(index, scenario, &Readers::exact(), 1).expect("all subjects have phantoms")
-}
+use crate::recovery::exact;
 
 fn analyzed(phantom: &Phantom) -> Analysis {
     let options = AnalysisOptions { support: Support::Frontal, ..Default::default() };

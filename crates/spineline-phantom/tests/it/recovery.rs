@@ -24,7 +24,8 @@ const ESTIMATED_MARGIN_MM: f64 = 0.3;
 /// Minimum number of the 14 joints that turn against a wrong line.
 const CONTRADICTED: usize = 3;
 
-fn exact(index: usize, scenario: Scenario) -> Phantom {
+/// The phantom of a subject, from 0, with exact readers.
+pub fn exact(index: usize, scenario: Scenario) -> Phantom {
     generate(index, scenario, &Readers::exact(), 1).expect("all 18 subjects have phantoms")
 }
 
