@@ -3,7 +3,7 @@
 use crate::anatomy::{FilmView, Posture};
 use crate::chain::ChainError;
 use crate::curve::CurveError;
-use crate::fault::faults;
+use crate::fault::{Remedy, faults};
 use crate::measure::MeasureError;
 use crate::multibody::StiffnessError;
 use crate::spatial::Angle;
@@ -130,5 +130,11 @@ impl Error {
     #[must_use]
     pub fn help(&self) -> &'static str {
         of_step!(self, help)
+    }
+}
+
+impl Remedy for Error {
+    fn help(&self) -> &'static str {
+        Error::help(self)
     }
 }

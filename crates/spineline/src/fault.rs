@@ -1,5 +1,7 @@
 //! Code, remedy and place of an error, beside its message.
 
+use std::fmt::Display;
+
 use crate::anatomy::{FilmView, Level};
 
 /// The film, the vertebra, the value and the limit that an error concerns.
@@ -15,8 +17,41 @@ pub struct ErrorPlace {
     pub limit: Option<f64>,
 }
 
-/// Defines an enum of faults. Each variant has its message, its code and its remedy. An `at` names the film, the vertebra, the value and the
-/// limit that the fault concerns. The expressions see the fields of the variant; with `on film` the remedy sees the film too.
+/// An error that says what the user can do about it.
+pub trait Remedy: Display {
+    /// What the user can do about it.
+    fn help(&self) -> &'static str;
+}
+
+/// Defines an enum of errors, each with its message and its remedy.
+///
+/// The remedy is an expression that sees the fields of its variant. Where a variant has parentheses, `as` names its field.
+///
+/// ```
+/// spineline::faults! {
+///     /// A sheet that cannot be printed.
+///     #[derive(Debug, thiserror::Error)]
+///     pub enum SheetError {
+///         /// The paper is too small.
+///         #[error("the paper is {width_mm} mm wide")]
+///         #[help(if *width_mm < 100 { "use larger paper" } else { "print fewer columns" })]
+///         Paper {
+///             /// Its width.
+///             width_mm: u32,
+///         },
+///         /// The case on it.
+///         #[error(transparent)]
+///         #[help(error.help())]
+///         Case(#[from] spineline::error::Error as error),
+///     }
+/// }
+/// assert_eq!(SheetError::Paper { width_mm: 90 }.help(), "use larger paper");
+/// ```
+///
+/// # Errors of the steps of an analysis
+/// Where every variant also has a code, the enum takes no derives. An `at` names the film, the vertebra, the value and the limit that the
+/// fault concerns, and sees the fields too; with `on film` the remedy sees the film.
+#[macro_export]
 macro_rules! faults {
     (
         $(#[doc = $type_doc:literal])+
@@ -69,6 +104,45 @@ macro_rules! faults {
                         ..$crate::fault::ErrorPlace::default()
                     },)+
                 }
+            }
+        }
+    };
+    (
+        $(#[$meta:meta])+
+        $vis:vis enum $name:ident {
+            $(
+                $(#[doc = $doc:literal])+
+                #[error($($message:tt)+)]
+                #[help($help:expr)]
+                $fault:ident
+                $({ $($(#[doc = $field_doc:literal])+ $field:ident: $type:ty,)+ })?
+                $(($(#[$from:ident])? $inner:ty $(as $cause:ident)?))?,
+            )+
+        }
+    ) => {
+        $(#[$meta])+
+        $vis enum $name {
+            $(
+                $(#[doc = $doc])+
+                #[error($($message)+)]
+                $fault $({ $($(#[doc = $field_doc])+ $field: $type,)+ })? $(($(#[$from])? $inner))?,
+            )+
+        }
+
+        #[allow(unused_variables)]
+        impl $name {
+            /// What the user can do about it.
+            #[must_use]
+            $vis fn help(&self) -> &'static str {
+                match self {
+                    $(Self::$fault { $($($field,)+)? $($(0: $cause,)?)? .. } => $help,)+
+                }
+            }
+        }
+
+        impl $crate::fault::Remedy for $name {
+            fn help(&self) -> &'static str {
+                <$name>::help(self)
             }
         }
     };

@@ -5,6 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use crate::analysis::Case;
 use crate::anatomy::Posture;
+use crate::fault::faults;
 use crate::measure::{Film, FilmLandmarks, Reading};
 
 /// Identifies a patient: the identifier, in any case of its letters, and the landmarks of every reading of the frontal films.
@@ -14,39 +15,32 @@ pub struct PatientMarks {
     readings: Vec<(Posture, u64)>,
 }
 
-/// A patient who would count twice.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SamePatient {
-    /// The identifier was given before.
-    #[error("the case {id} was given already{}", as_other(id, earlier))]
-    Identifier {
-        /// The identifier.
-        id: String,
-        /// The earlier one, which may differ in the case of its letters.
-        earlier: String,
-    },
-    /// A reading was given before, under another identifier.
-    #[error(
-        "the {posture} film of the case {id} has the landmarks of a film of the case {earlier}"
-    )]
-    Reading {
-        /// The film.
-        posture: Posture,
-        /// The identifier.
-        id: String,
-        /// The earlier one.
-        earlier: String,
-    },
-}
-
-impl SamePatient {
-    /// What to do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::Identifier { .. } => "give every case its own `case_id`",
-            Self::Reading { .. } => "a patient counts once: leave one of the two files out",
-        }
+faults! {
+    /// A patient who would count twice.
+    #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+    pub enum SamePatient {
+        /// The identifier was given before.
+        #[error("the case {id} was given already{}", as_other(id, earlier))]
+        #[help("give every case its own `case_id`")]
+        Identifier {
+            /// The identifier.
+            id: String,
+            /// The earlier one, which may differ in the case of its letters.
+            earlier: String,
+        },
+        /// A reading was given before, under another identifier.
+        #[error(
+            "the {posture} film of the case {id} has the landmarks of a film of the case {earlier}"
+        )]
+        #[help("a patient counts once: leave one of the two files out")]
+        Reading {
+            /// The film.
+            posture: Posture,
+            /// The identifier.
+            id: String,
+            /// The earlier one.
+            earlier: String,
+        },
     }
 }
 

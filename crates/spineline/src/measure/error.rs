@@ -6,7 +6,7 @@ use super::{
     CornerFault, CornerOrder, FilmSize, FilmTooLarge, OBSERVER_RULE, PedicleFault, ReadingId,
 };
 use crate::anatomy::{FilmView, Level, Levels, Posture};
-use crate::fault::{ErrorPlace, faults};
+use crate::fault::{ErrorPlace, Remedy, faults};
 use crate::number::fixed;
 
 const CRESTS_HELP: &str =
@@ -42,6 +42,12 @@ impl MeasureError {
     pub fn place(&self) -> ErrorPlace {
         let fault = self.fault.place();
         ErrorPlace { film: Some(self.at.film), level: self.at.level.or(fault.level), ..fault }
+    }
+}
+
+impl Remedy for MeasureError {
+    fn help(&self) -> &'static str {
+        MeasureError::help(self)
     }
 }
 

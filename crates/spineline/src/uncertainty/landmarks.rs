@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::stream::stream;
 use crate::analysis::{Analysis, Case};
 use crate::anatomy::{Level, Posture, named};
+use crate::fault::faults;
 use crate::measure::{
     CornerName, Corners, Film, FilmLandmarks, ImageGeometry, InterpolationError, Noise, Origin,
     Outline, Placement, ProgramCorners, Reading, ReadingSquares, VertebraLandmarks,
@@ -70,34 +71,27 @@ pub enum VertebraNoise {
     },
 }
 
-/// Noise that cannot be laid on a case.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum UncertaintyError {
-    /// A deviation below zero, or none.
-    #[error("the noise standard deviation is {sd_px} px and must be ≥ 0 px")]
-    Deviation {
-        /// What was given.
-        sd_px: f64,
-    },
-    /// Pixels of a film without a picture.
-    #[error(
-        "{posture} film: it has locations and tilts but no corners, so noise in pixels does not apply"
-    )]
-    NoPicture {
-        /// The film.
-        posture: Posture,
-    },
-}
-
-impl UncertaintyError {
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::Deviation { .. } => "give a standard deviation in pixels, such as 3",
-            Self::NoPicture { .. } => "use the measured noise",
-        }
+faults! {
+    /// Noise that cannot be laid on a case.
+    #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum UncertaintyError {
+        /// A deviation below zero, or none.
+        #[error("the noise standard deviation is {sd_px} px and must be ≥ 0 px")]
+        #[help("give a standard deviation in pixels, such as 3")]
+        Deviation {
+            /// What was given.
+            sd_px: f64,
+        },
+        /// Pixels of a film without a picture.
+        #[error(
+            "{posture} film: it has locations and tilts but no corners, so noise in pixels does not apply"
+        )]
+        #[help("use the measured noise")]
+        NoPicture {
+            /// The film.
+            posture: Posture,
+        },
     }
 }
 

@@ -1,4 +1,5 @@
 use crate::anatomy::{Levels, named, trunk_weight_shares};
+use crate::fault::Remedy;
 use crate::multibody::{SpineModel, Support};
 use crate::number::fixed;
 use crate::spatial::{Angle, Mat3, Vec3};
@@ -265,6 +266,12 @@ impl LoadingError {
                 "take vertebrae with more joints between them, or a rod that keeps the erect pose"
             }
         }
+    }
+}
+
+impl Remedy for LoadingError {
+    fn help(&self) -> &'static str {
+        LoadingError::help(self)
     }
 }
 
