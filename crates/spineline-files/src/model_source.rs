@@ -21,56 +21,48 @@ pub struct ModelSource {
     pub kind: LineKind,
 }
 
-/// Why a stored model cannot be made again from a case.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ModelSourceError {
-    /// A model file without the options of its analysis.
-    #[error("the model file does not say with which options its case was analysed")]
-    NoOptions,
-    /// Options that cannot be used.
-    #[error(transparent)]
-    Options(#[from] FileError),
-    /// The case of another patient.
-    #[error("the model belongs to the case {model}, and the case given is {case}")]
-    OtherCase {
-        /// The case of the model.
-        model: String,
-        /// The case that was given.
-        case: String,
-    },
-    /// A case that cannot be analysed.
-    #[error(transparent)]
-    Analysis(#[from] Error),
-    /// A model that the analysis lacks.
-    #[error("the analysis of the case has no model with the line {line}")]
-    NoModel {
-        /// Line in the model file.
-        line: &'static str,
-    },
-    /// A model that was changed, or made from other landmarks or by another version of the program.
-    #[error("{what} of the model file differ from the model that the case gives now")]
-    Differs {
-        /// What differs.
-        what: &'static str,
-    },
-}
+const MODEL_HELP: &str = "write the model again: `spineline analyze CASE --model FILE`";
 
-impl ModelSourceError {
-    /// Remedy.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
-        match self {
-            Self::NoOptions | Self::NoModel { .. } => {
-                "write the model again: `spineline analyze CASE --model FILE`"
-            }
-            Self::Options(_) => "write the model again with this version of the program",
-            Self::OtherCase { .. } => "give the case that the model was made from",
-            Self::Analysis(error) => error.help(),
-            Self::Differs { .. } => {
-                "a replicate is a new analysis of the case, which cannot follow changes made by hand: give the case as it was, or write the model again: `spineline analyze CASE --model FILE`"
-            }
-        }
+spineline::faults! {
+    /// Why a stored model cannot be made again from a case.
+    #[derive(Debug, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum ModelSourceError {
+        /// A model file without the options of its analysis.
+        #[error("the model file does not say with which options its case was analysed")]
+        #[help(MODEL_HELP)]
+        NoOptions,
+        /// Options that cannot be used.
+        #[error(transparent)]
+        #[help("write the model again with this version of the program")]
+        Options(#[from] FileError),
+        /// The case of another patient.
+        #[error("the model belongs to the case {model}, and the case given is {case}")]
+        #[help("give the case that the model was made from")]
+        OtherCase {
+            /// The case of the model.
+            model: String,
+            /// The case that was given.
+            case: String,
+        },
+        /// A case that cannot be analysed.
+        #[error(transparent)]
+        #[help(error.help())]
+        Analysis(#[from] Error as error),
+        /// A model that the analysis lacks.
+        #[error("the analysis of the case has no model with the line {line}")]
+        #[help(MODEL_HELP)]
+        NoModel {
+            /// Line in the model file.
+            line: &'static str,
+        },
+        /// A model that was changed, or made from other landmarks or by another version of the program.
+        #[error("{what} of the model file differ from the model that the case gives now")]
+        #[help("a replicate is a new analysis of the case, which cannot follow changes made by hand: give the case as it was, or write the model again: `spineline analyze CASE --model FILE`")]
+        Differs {
+            /// What differs.
+            what: &'static str,
+        },
     }
 }
 

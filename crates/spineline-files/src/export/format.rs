@@ -2,6 +2,8 @@
 
 use spineline::anatomy::{Level, Posture};
 
+use crate::error::MODEL_HELP;
+
 spineline::named! {
     /// A format of another program.
     pub enum ExportFormat {
@@ -64,71 +66,62 @@ impl ExportFormat {
     }
 }
 
-/// A model that a format cannot represent.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ExportError {
-    /// Two bodies would have one name.
-    #[error("vertebra {level} is given twice")]
-    LevelTwice {
-        /// The vertebra.
-        level: Level,
-    },
-    /// Two films of one posture would have one name.
-    #[error("the {posture} film has two loads")]
-    FilmTwice {
-        /// The posture.
-        posture: Posture,
-    },
-    /// An invalid spring.
-    #[error(
-        "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad; it must be positive and finite"
-    )]
-    Spring {
-        /// Lower vertebra.
-        inferior: Level,
-        /// Upper vertebra.
-        superior: Level,
-        /// Axis.
-        axis: &'static str,
-        /// Value in the model.
-        value: f64,
-    },
-    /// Hinges whose springs are coupled.
-    #[error(
-        "joint {inferior}/{superior}: its springs couple the three hinges, and {format} has one spring per hinge",
-        format = format.key()
-    )]
-    Coupled {
-        /// The format, which has no coupled springs.
-        format: ExportFormat,
-        /// Lower vertebra.
-        inferior: Level,
-        /// Upper vertebra.
-        superior: Level,
-    },
-    /// A character that XML cannot hold, or not everywhere.
-    #[error("`{what}` has the character U+{:04X}; XML does not allow it", u32::from(*character))]
-    Text {
-        /// Key of the model file.
-        what: &'static str,
-        /// The character.
-        character: char,
-    },
-}
-
-impl ExportError {
-    /// Remedy.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::LevelTwice { .. } | Self::FilmTwice { .. } | Self::Spring { .. } => {
-                "write the model again with `spineline analyze CASE --model FILE`"
-            }
-            Self::Coupled { .. } => {
-                "`--to vtp` and `--to gltf` write the vertebral bodies of this model; for its springs, make a model without coupling: `spineline analyze CASE --stiffness motion-segments --model FILE` with your other options, or with `--support frontal`, which locks the axial hinges"
-            }
-            Self::Text { .. } => "remove control characters from that text in the model file",
-        }
+spineline::faults! {
+    /// A model that a format cannot represent.
+    #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum ExportError {
+        /// Two bodies would have one name.
+        #[error("vertebra {level} is given twice")]
+        #[help(MODEL_HELP)]
+        LevelTwice {
+            /// The vertebra.
+            level: Level,
+        },
+        /// Two films of one posture would have one name.
+        #[error("the {posture} film has two loads")]
+        #[help(MODEL_HELP)]
+        FilmTwice {
+            /// The posture.
+            posture: Posture,
+        },
+        /// An invalid spring.
+        #[error(
+            "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad; it must be positive and finite"
+        )]
+        #[help(MODEL_HELP)]
+        Spring {
+            /// Lower vertebra.
+            inferior: Level,
+            /// Upper vertebra.
+            superior: Level,
+            /// Axis.
+            axis: &'static str,
+            /// Value in the model.
+            value: f64,
+        },
+        /// Hinges whose springs are coupled.
+        #[error(
+            "joint {inferior}/{superior}: its springs couple the three hinges, and {format} has one spring per hinge",
+            format = format.key()
+        )]
+        #[help("`--to vtp` and `--to gltf` write the vertebral bodies of this model; for its springs, make a model without coupling: `spineline analyze CASE --stiffness motion-segments --model FILE` with your other options, or with `--support frontal`, which locks the axial hinges")]
+        Coupled {
+            /// The format, which has no coupled springs.
+            format: ExportFormat,
+            /// Lower vertebra.
+            inferior: Level,
+            /// Upper vertebra.
+            superior: Level,
+        },
+        /// A character that XML cannot hold, or not everywhere.
+        #[error("`{what}` has the character U+{:04X}; XML does not allow it", u32::from(*character))]
+        #[help("remove control characters from that text in the model file")]
+        Text {
+            /// Key of the model file.
+            what: &'static str,
+            /// The character.
+            character: char,
+        },
     }
 }

@@ -32,25 +32,32 @@ pub struct Simulated {
     pub warnings: Vec<SimulationWarning>,
 }
 
-/// A model or loads that cannot be simulated.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SimulationError {
-    /// A load does not fit the model.
-    #[error(transparent)]
-    Loads(#[from] FileError),
-    /// A load cannot be applied.
-    #[error(transparent)]
-    Loading(#[from] LoadingError),
-    /// The springs of the model are invalid.
-    #[error("{0}")]
-    Springs(String),
-    /// A lateral tilt is wanted, and no load is varied.
-    #[error("a wanted lateral tilt needs proportional loads, and all loads are constant")]
-    NothingGrows,
-    /// A largest factor that loads cannot have.
-    #[error("{0}")]
-    LargestFactor(String),
+spineline::faults! {
+    /// A model or loads that cannot be simulated.
+    #[derive(Debug, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum SimulationError {
+        /// A load does not fit the model.
+        #[error(transparent)]
+        #[help(error.help())]
+        Loads(#[from] FileError as error),
+        /// A load cannot be applied.
+        #[error(transparent)]
+        #[help(error.help())]
+        Loading(#[from] LoadingError as error),
+        /// The springs of the model are invalid.
+        #[error("{0}")]
+        #[help("correct the stiffness, or write the model again with `analyze`")]
+        Springs(String),
+        /// A lateral tilt is wanted, and no load is varied.
+        #[error("a wanted lateral tilt needs proportional loads, and all loads are constant")]
+        #[help("let at least one load have the timing `growing`")]
+        NothingGrows,
+        /// A largest factor that loads cannot have.
+        #[error("{0}")]
+        #[help("leave it out for the usual one")]
+        LargestFactor(String),
+    }
 }
 
 impl SimulationError {
@@ -65,18 +72,6 @@ impl SimulationError {
             CoreError::Loading(error) => error.into(),
             CoreError::LargestFactor { .. } => Self::LargestFactor(error.to_string()),
             other => Self::Springs(other.to_string()),
-        }
-    }
-
-    /// Remedy.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
-        match self {
-            Self::Loads(error) => error.help(),
-            Self::Loading(error) => error.help(),
-            Self::Springs(_) => "correct the stiffness, or write the model again with `analyze`",
-            Self::LargestFactor(_) => "leave it out for the usual one",
-            Self::NothingGrows => "let at least one load have the timing `growing`",
         }
     }
 }
