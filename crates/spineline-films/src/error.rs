@@ -106,150 +106,184 @@ impl CodecFault {
     }
 }
 
-/// A file that cannot be read as a film. Messages contain attributes, numbers and fixed texts; never a value that may name a
-/// patient.
-#[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
-#[non_exhaustive]
-pub enum FilmError {
-    /// Another kind of file.
-    #[error("not a radiograph: the file {looks_like}")]
-    NotAFilm {
-        /// Likely format.
-        looks_like: Lookalike,
-    },
-    /// A limit of [`FilmLimits`](super::FilmLimits).
-    #[error("{what}: {found} is more than the limit of {limit}")]
-    TooLarge {
-        /// What is too large.
-        what: Measure,
-        /// Size, or a lower bound of it.
-        found: u64,
-        /// Limit.
-        limit: u64,
-    },
-    /// The file ends before its data set does.
-    #[error("the file is truncated: it ends {place}")]
-    Truncated {
-        /// Where.
-        place: Place,
-    },
-    /// An element that claims more bytes than the file has.
-    #[error(
-        "{attribute} declares {length} bytes, but only {remaining} are left: the file is truncated or damaged"
-    )]
-    Length {
-        /// Which.
-        attribute: Attribute,
-        /// Declared length.
-        length: u64,
-        /// Actual size.
-        remaining: u64,
-    },
-    /// An element whose form contradicts the standard.
-    #[error("{attribute} is damaged: {fault}")]
-    Element {
-        /// Which.
-        attribute: Attribute,
-        /// How.
-        fault: ElementFault,
-    },
-    /// A data set that dicom-rs refuses.
-    #[error("its data set is damaged")]
-    DataSet,
-    /// A transfer syntax that cannot be read.
-    #[error("its transfer syntax {} cannot be read", .uid.as_deref().unwrap_or("(malformed)"))]
-    TransferSyntax {
-        /// The UID, if it is one of the standard's.
-        uid: Option<String>,
-    },
-    /// Not a radiograph, by its modality.
-    #[error("its modality is {}, but a radiograph is needed", .modality.as_deref().unwrap_or("unknown"))]
-    Modality {
-        /// The modality, if the standard knows it.
-        modality: Option<String>,
-    },
-    /// A data set without a picture.
-    #[error("the file has no picture: {missing} is missing")]
-    NoPixels {
-        /// What is missing.
-        missing: Attribute,
-    },
-    /// More than one frame.
-    #[error("it holds {frames} frames or pages, but a film has one")]
-    Frames {
-        /// How many; 0 if the value is damaged.
-        frames: u32,
-    },
-    /// Colour, where grey is needed.
-    #[error("{photometric}")]
-    Photometric {
-        /// What it is.
-        photometric: UnsupportedPhotometric,
-    },
-    /// An arrangement of bits that is not supported.
-    #[error("{attribute} is {value}, which is not supported")]
-    PixelFormat {
-        /// Which attribute.
-        attribute: Attribute,
-        /// Its value.
-        value: u32,
-    },
-    /// Fewer pixels than declared.
-    #[error("the picture needs {needed} bytes, but has {found}")]
-    PixelsMissing {
-        /// Rows by columns by bytes of a sample.
-        needed: u64,
-        /// Actual size.
-        found: u64,
-    },
-    /// Compressed pixels that cannot be decoded.
-    #[error("the {codec} pixels cannot be decoded: {fault}")]
-    Codec {
-        /// How they are compressed.
-        codec: Codec,
-        /// Why.
-        fault: CodecFault,
-    },
-    /// Compressed pixels with values beyond Bits Stored, where text may hide that de-identification cannot remove
-    /// without changing the picture.
-    #[error(
-        "some pixel values exceed the {bits_stored} bits that Bits Stored (0028,0101) declares; text may be hidden in the bits above"
-    )]
-    HiddenBits {
-        /// Declared bits.
-        bits_stored: u8,
-    },
-    /// The case identifier of a de-identified film has characters other than letters, digits, dot, dash and
-    /// underscore, or more than 64 characters.
-    #[error("the case identifier must be 1 to 64 letters, digits, dots, dashes or underscores")]
-    CaseId,
-    /// The decoder could not be started.
-    #[error("the decoder cannot be started ({kind})")]
-    DecoderStart {
-        /// Error of the operating system.
-        kind: String,
-    },
-    /// The decoder crashed on this film.
-    #[error("the decoder crashed on this film ({})", .signal.map_or_else(|| "no answer".to_owned(), |s| format!("signal {s}")))]
-    DecoderDied {
-        /// The signal that ended it, where there was one.
-        signal: Option<i32>,
-    },
-    /// The decoder took too long.
-    #[error("the decoder exceeded its time limit of {} s", fixed(*limit_s, 1))]
-    DecoderTimeout {
-        /// The limit.
-        limit_s: f64,
-    },
-    /// The decoder needed too much memory.
-    #[error("the decoder exceeded its memory limit of {limit_bytes} bytes")]
-    DecoderMemory {
-        /// The limit.
-        limit_bytes: u64,
-    },
-    /// The decoder's answer is invalid.
-    #[error("the decoder's answer cannot be understood")]
-    DecoderAnswer,
+const COPY_HELP: &str = "copy the file again: it is incomplete";
+const EXPORT_HELP: &str = "export the film again from its archive";
+const ENCODING_HELP: &str =
+    "export the film uncompressed or as JPEG lossless, JPEG-LS, JPEG 2000 or HTJ2K";
+const GREY_HELP: &str = "export the film as 8 or 16 bit greyscale";
+const INSTALL_HELP: &str = "install the program again";
+const DAMAGED_HELP: &str = "this film is damaged or malicious; export it again, uncompressed";
+
+spineline::faults! {
+    /// A file that cannot be read as a film. Messages contain attributes, numbers and fixed texts; never a value that may name a
+    /// patient.
+    #[derive(Debug, Clone, PartialEq, thiserror::Error, Serialize, Deserialize)]
+    #[non_exhaustive]
+    pub enum FilmError {
+        /// Another kind of file.
+        #[error("not a radiograph: the file {looks_like}")]
+        #[help("films are DICOM, PNG, JPEG or TIFF files; unpack archives first, export documents as PNG")]
+        NotAFilm {
+            /// Likely format.
+            looks_like: Lookalike,
+        },
+        /// A limit of [`FilmLimits`](super::FilmLimits).
+        #[error("{what}: {found} is more than the limit of {limit}")]
+        #[help("export the film alone, uncropped, at its own resolution")]
+        TooLarge {
+            /// What is too large.
+            what: Measure,
+            /// Size, or a lower bound of it.
+            found: u64,
+            /// Limit.
+            limit: u64,
+        },
+        /// The file ends before its data set does.
+        #[error("the file is truncated: it ends {place}")]
+        #[help(COPY_HELP)]
+        Truncated {
+            /// Where.
+            place: Place,
+        },
+        /// An element that claims more bytes than the file has.
+        #[error(
+            "{attribute} declares {length} bytes, but only {remaining} are left: the file is truncated or damaged"
+        )]
+        #[help(COPY_HELP)]
+        Length {
+            /// Which.
+            attribute: Attribute,
+            /// Declared length.
+            length: u64,
+            /// Actual size.
+            remaining: u64,
+        },
+        /// An element whose form contradicts the standard.
+        #[error("{attribute} is damaged: {fault}")]
+        #[help(EXPORT_HELP)]
+        Element {
+            /// Which.
+            attribute: Attribute,
+            /// How.
+            fault: ElementFault,
+        },
+        /// A data set that dicom-rs refuses.
+        #[error("its data set is damaged")]
+        #[help(EXPORT_HELP)]
+        DataSet,
+        /// A transfer syntax that cannot be read.
+        #[error("its transfer syntax {} cannot be read", .uid.as_deref().unwrap_or("(malformed)"))]
+        #[help(ENCODING_HELP)]
+        TransferSyntax {
+            /// The UID, if it is one of the standard's.
+            uid: Option<String>,
+        },
+        /// Not a radiograph, by its modality.
+        #[error("its modality is {}, but a radiograph is needed", .modality.as_deref().unwrap_or("unknown"))]
+        #[help("choose a radiograph: CR, DX, RG, RF, XA, MG, or a digitised film (SC, OT, HC)")]
+        Modality {
+            /// The modality, if the standard knows it.
+            modality: Option<String>,
+        },
+        /// A data set without a picture.
+        #[error("the file has no picture: {missing} is missing")]
+        #[help("choose the image object of the study, not its report or plan")]
+        NoPixels {
+            /// What is missing.
+            missing: Attribute,
+        },
+        /// More than one frame.
+        #[error("it holds {frames} frames or pages, but a film has one")]
+        #[help("export the one frame or page that is the film")]
+        Frames {
+            /// How many; 0 if the value is damaged.
+            frames: u32,
+        },
+        /// Colour, where grey is needed.
+        #[error("{photometric}")]
+        #[help(GREY_HELP)]
+        Photometric {
+            /// What it is.
+            photometric: UnsupportedPhotometric,
+        },
+        /// An arrangement of bits that is not supported.
+        #[error("{attribute} is {value}, which is not supported")]
+        #[help(GREY_HELP)]
+        PixelFormat {
+            /// Which attribute.
+            attribute: Attribute,
+            /// Its value.
+            value: u32,
+        },
+        /// Fewer pixels than declared.
+        #[error("the picture needs {needed} bytes, but has {found}")]
+        #[help(COPY_HELP)]
+        PixelsMissing {
+            /// Rows by columns by bytes of a sample.
+            needed: u64,
+            /// Actual size.
+            found: u64,
+        },
+        /// Compressed pixels that cannot be decoded.
+        #[error("the {codec} pixels cannot be decoded: {fault}")]
+        #[help(match fault {
+            CodecFault::LossyPrecision { .. } => "convert the file with `dcmdjpeg IN OUT` (DCMTK) or `gdcmconv --raw IN OUT` (GDCM), or export the film uncompressed",
+            _ => ENCODING_HELP,
+        })]
+        Codec {
+            /// How they are compressed.
+            codec: Codec,
+            /// Why.
+            fault: CodecFault,
+        },
+        /// Compressed pixels with values beyond Bits Stored, where text may hide that de-identification cannot remove
+        /// without changing the picture.
+        #[error(
+            "some pixel values exceed the {bits_stored} bits that Bits Stored (0028,0101) declares; text may be hidden in the bits above"
+        )]
+        #[help("export the film uncompressed: then these bits are cleared; if they belong to the picture, correct Bits Stored")]
+        HiddenBits {
+            /// Declared bits.
+            bits_stored: u8,
+        },
+        /// The case identifier of a de-identified film has characters other than letters, digits, dot, dash and
+        /// underscore, or more than 64 characters.
+        #[error("the case identifier must be 1 to 64 letters, digits, dots, dashes or underscores")]
+        #[help("use a short pseudonym without blanks")]
+        CaseId,
+        /// The decoder could not be started.
+        #[error("the decoder cannot be started ({kind})")]
+        #[help(INSTALL_HELP)]
+        DecoderStart {
+            /// Error of the operating system.
+            kind: String,
+        },
+        /// The decoder crashed on this film.
+        #[error("the decoder crashed on this film ({})", .signal.map_or_else(|| "no answer".to_owned(), |s| format!("signal {s}")))]
+        #[help(DAMAGED_HELP)]
+        DecoderDied {
+            /// The signal that ended it, where there was one.
+            signal: Option<i32>,
+        },
+        /// The decoder took too long.
+        #[error("the decoder exceeded its time limit of {} s", fixed(*limit_s, 1))]
+        #[help(DAMAGED_HELP)]
+        DecoderTimeout {
+            /// The limit.
+            limit_s: f64,
+        },
+        /// The decoder needed too much memory.
+        #[error("the decoder exceeded its memory limit of {limit_bytes} bytes")]
+        #[help(DAMAGED_HELP)]
+        DecoderMemory {
+            /// The limit.
+            limit_bytes: u64,
+        },
+        /// The decoder's answer is invalid.
+        #[error("the decoder's answer cannot be understood")]
+        #[help(INSTALL_HELP)]
+        DecoderAnswer,
+    }
 }
 
 spineline::named! {
@@ -321,44 +355,5 @@ spineline::named! {
         Deep = "deep" as "colour image with more than 8 bits per channel; a greyscale one is needed",
         /// Any other value.
         Unknown = "unknown" as "its photometric interpretation is unknown and not supported",
-    }
-}
-
-impl FilmError {
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
-        match self {
-            Self::NotAFilm { .. } => {
-                "films are DICOM, PNG, JPEG or TIFF files; unpack archives first, export documents as PNG"
-            }
-            Self::TooLarge { .. } => "export the film alone, uncropped, at its own resolution",
-            Self::Truncated { .. } | Self::Length { .. } | Self::PixelsMissing { .. } => {
-                "copy the file again: it is incomplete"
-            }
-            Self::Element { .. } | Self::DataSet => "export the film again from its archive",
-            Self::Codec { fault: CodecFault::LossyPrecision { .. }, .. } => {
-                "convert the file with `dcmdjpeg IN OUT` (DCMTK) or `gdcmconv --raw IN OUT` (GDCM), or export the film uncompressed"
-            }
-            Self::TransferSyntax { .. } | Self::Codec { .. } => {
-                "export the film uncompressed or as JPEG lossless, JPEG-LS, JPEG 2000 or HTJ2K"
-            }
-            Self::Modality { .. } => {
-                "choose a radiograph: CR, DX, RG, RF, XA, MG, or a digitised film (SC, OT, HC)"
-            }
-            Self::NoPixels { .. } => "choose the image object of the study, not its report or plan",
-            Self::Frames { .. } => "export the one frame or page that is the film",
-            Self::Photometric { .. } | Self::PixelFormat { .. } => {
-                "export the film as 8 or 16 bit greyscale"
-            }
-            Self::HiddenBits { .. } => {
-                "export the film uncompressed: then these bits are cleared; if they belong to the picture, correct Bits Stored"
-            }
-            Self::CaseId => "use a short pseudonym without blanks",
-            Self::DecoderStart { .. } | Self::DecoderAnswer => "install the program again",
-            Self::DecoderDied { .. } | Self::DecoderTimeout { .. } | Self::DecoderMemory { .. } => {
-                "this film is damaged or malicious; export it again, uncompressed"
-            }
-        }
     }
 }

@@ -84,77 +84,70 @@ pub struct DicomFilm<'a> {
     pub encoding: Encoding,
 }
 
-/// A film that cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum WriteFilmError {
-    /// Another number of pixels than the picture has.
-    #[error("{posture} film: {columns} × {rows} pixels are stated, but {found} are given")]
-    PixelCount {
-        /// Film.
-        posture: Posture,
-        /// Columns stated.
-        columns: u32,
-        /// Rows stated.
-        rows: u32,
-        /// Values given.
-        found: usize,
-    },
-    /// A picture without pixels, or with a side that is too long for DICOM.
-    #[error("{posture} film: {columns} × {rows} pixels; a side of a DICOM picture has 1 to 65535")]
-    Size {
-        /// Film.
-        posture: Posture,
-        /// Columns stated.
-        columns: u32,
-        /// Rows stated.
-        rows: u32,
-    },
-    /// An unsupported number of bits, or a value that needs more bits than stated.
-    #[error(
-        "{posture} film: a value of {greatest} in {bits_stored} bits; 2 to 16 bits are supported"
-    )]
-    Bits {
-        /// Film.
-        posture: Posture,
-        /// Largest value.
-        greatest: u16,
-        /// Bits stated.
-        bits_stored: u16,
-    },
-    /// An invalid spacing or magnification.
-    #[error("{posture} film: {quantity} of {value} {limit}")]
-    Length {
-        /// Film.
-        posture: Posture,
-        /// What.
-        quantity: &'static str,
-        /// Its value.
-        value: f64,
-        /// Expected value.
-        limit: &'static str,
-    },
-    /// The encoder or the writer of the data set failed.
-    #[error("{posture} film: {reason}")]
-    Encoder {
-        /// Film.
-        posture: Posture,
-        /// Why.
-        reason: String,
-    },
-}
-
-impl WriteFilmError {
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
-        match self {
-            Self::PixelCount { .. } => "give columns × rows values, row by row",
-            Self::Size { .. } => "use larger pixels",
-            Self::Bits { .. } => "state as many bits as the largest value needs",
-            Self::Length { .. } => "give spacings in mm and a magnification of 1 or more",
-            Self::Encoder { .. } => "write the film uncompressed",
-        }
+spineline::faults! {
+    /// A film that cannot be written.
+    #[derive(Debug, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum WriteFilmError {
+        /// Another number of pixels than the picture has.
+        #[error("{posture} film: {columns} × {rows} pixels are stated, but {found} are given")]
+        #[help("give columns × rows values, row by row")]
+        PixelCount {
+            /// Film.
+            posture: Posture,
+            /// Columns stated.
+            columns: u32,
+            /// Rows stated.
+            rows: u32,
+            /// Values given.
+            found: usize,
+        },
+        /// A picture without pixels, or with a side that is too long for DICOM.
+        #[error("{posture} film: {columns} × {rows} pixels; a side of a DICOM picture has 1 to 65535")]
+        #[help("use larger pixels")]
+        Size {
+            /// Film.
+            posture: Posture,
+            /// Columns stated.
+            columns: u32,
+            /// Rows stated.
+            rows: u32,
+        },
+        /// An unsupported number of bits, or a value that needs more bits than stated.
+        #[error(
+            "{posture} film: a value of {greatest} in {bits_stored} bits; 2 to 16 bits are supported"
+        )]
+        #[help("state as many bits as the largest value needs")]
+        Bits {
+            /// Film.
+            posture: Posture,
+            /// Largest value.
+            greatest: u16,
+            /// Bits stated.
+            bits_stored: u16,
+        },
+        /// An invalid spacing or magnification.
+        #[error("{posture} film: {quantity} of {value} {limit}")]
+        #[help("give spacings in mm and a magnification of 1 or more")]
+        Length {
+            /// Film.
+            posture: Posture,
+            /// What.
+            quantity: &'static str,
+            /// Its value.
+            value: f64,
+            /// Expected value.
+            limit: &'static str,
+        },
+        /// The encoder or the writer of the data set failed.
+        #[error("{posture} film: {reason}")]
+        #[help("write the film uncompressed")]
+        Encoder {
+            /// Film.
+            posture: Posture,
+            /// Why.
+            reason: String,
+        },
     }
 }
 

@@ -1,7 +1,7 @@
 //! A search: its limits, its results and its state.
 
 use std::fmt;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::PathBuf;
 
 use crate::{FilmError, FilmKind, Lookalike, sniff};
@@ -80,7 +80,7 @@ pub enum Reason {
     NotAFilm(Lookalike),
     /// It could not be read.
     #[error("it cannot be read: {0}")]
-    Unreadable(std::io::ErrorKind),
+    Unreadable(ErrorKind),
     /// A link, a device or a pipe.
     #[error("it is not a regular file")]
     NotPlain,
@@ -123,55 +123,42 @@ pub enum Reason {
     },
 }
 
-/// Error that stops a search.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum IntakeError {
-    /// A given path does not open.
-    #[error("{place}: {kind}")]
-    Missing {
-        /// The path.
-        place: Place,
-        /// Why.
-        kind: std::io::ErrorKind,
-    },
-    /// Too many files.
-    #[error("there are more than {limit} files and archive entries here")]
-    TooMany {
-        /// The limit.
-        limit: usize,
-    },
-    /// A film that cannot be read: it is too large, or it changed or went away after the survey.
-    #[error("{place}: {reason}")]
-    Gone {
-        /// Where.
-        place: Place,
-        /// Reason.
-        reason: Reason,
-    },
-}
-
-impl IntakeError {
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::Missing { .. } => "check the path, and that you may read it",
-            Self::TooMany { .. } => "name the patient's own folder, or the films one by one",
-            Self::Gone { reason: Reason::SameNames, .. } => {
-                "give each film its own name and pack the archive again"
-            }
-            Self::Gone { reason: Reason::TooLarge { .. }, .. } => {
-                "check that it is a film; export only the frontal film"
-            }
-            Self::Gone { reason: Reason::Unreadable(std::io::ErrorKind::NotFound), .. } => {
-                "check the path; the films of a case lie in the folder of the case"
-            }
-            Self::Gone { reason: Reason::Unreadable(std::io::ErrorKind::IsADirectory), .. } => {
-                "name the film or the case file in the folder"
-            }
-            Self::Gone { .. } => "run the command again when no other program writes there",
-        }
+spineline::faults! {
+    /// Error that stops a search.
+    #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum IntakeError {
+        /// A given path does not open.
+        #[error("{place}: {kind}")]
+        #[help("check the path, and that you may read it")]
+        Missing {
+            /// The path.
+            place: Place,
+            /// Why.
+            kind: ErrorKind,
+        },
+        /// Too many files.
+        #[error("there are more than {limit} files and archive entries here")]
+        #[help("name the patient's own folder, or the films one by one")]
+        TooMany {
+            /// The limit.
+            limit: usize,
+        },
+        /// A film that cannot be read: it is too large, or it changed or went away after the survey.
+        #[error("{place}: {reason}")]
+        #[help(match reason {
+            Reason::SameNames => "give each film its own name and pack the archive again",
+            Reason::TooLarge { .. } => "check that it is a film; export only the frontal film",
+            Reason::Unreadable(ErrorKind::NotFound) => "check the path; the films of a case lie in the folder of the case",
+            Reason::Unreadable(ErrorKind::IsADirectory) => "name the film or the case file in the folder",
+            _ => "run the command again when no other program writes there",
+        })]
+        Gone {
+            /// Where.
+            place: Place,
+            /// Reason.
+            reason: Reason,
+        },
     }
 }
 
