@@ -89,71 +89,62 @@ pub struct Midline {
     pub caudal_end: MidlineEnd,
 }
 
-/// A midline on which levels cannot be placed.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MidlineError {
-    /// Too few points, or a point that is not a number.
-    #[error("a midline needs at least two points, all of them numbers")]
-    Points,
-    /// The cranial end is not above the caudal one.
-    #[error("the cranial end of the midline is not above its caudal end")]
-    Ends,
-    /// The points run from the sacrum upwards.
-    #[error(
-        "the first point of the midline is lower than the last one by {} mm",
-        fixed(*lower_mm, 0)
-    )]
-    UpsideDown {
-        /// By how much.
-        lower_mm: f64,
-    },
-    /// A spine cannot have this length.
-    #[error(
-        "the midline is {} mm long, and between such ends {} to {} mm are expected",
-        fixed(*length_mm, 1),
-        fixed(*low_mm, 0),
-        fixed(*high_mm, 0)
-    )]
-    Length {
-        /// Length along the line.
-        length_mm: f64,
-        /// The shortest.
-        low_mm: f64,
-        /// The longest.
-        high_mm: f64,
-    },
-    /// Neighbouring points are too far apart.
-    #[error(
-        "points {} and {} of the midline are {} mm apart, and the limit is {} mm",
-        after + 1,
-        after + 2,
-        fixed(*gap_mm, 0),
-        fixed(*limit_mm, 0)
-    )]
-    Gap {
-        /// Index of the first of the two.
-        after: usize,
-        /// Distance between them.
-        gap_mm: f64,
-        /// The largest.
-        limit_mm: f64,
-    },
-}
-
-impl MidlineError {
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::Points => "give the points of the line as numbers in millimetres",
-            Self::Ends => "name the vertebrae at the first and the last point: C7, T1 to L5, or S1",
-            Self::UpsideDown { .. } => {
-                "give the points from the cranial to the caudal end, and check the directions of the axes"
-            }
-            Self::Length { .. } => "give millimetres, and check which vertebrae the line ends at",
-            Self::Gap { .. } => "give more points of the line, at least one per vertebra",
-        }
+spineline::faults! {
+    /// A midline on which levels cannot be placed.
+    #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum MidlineError {
+        /// Too few points, or a point that is not a number.
+        #[error("a midline needs at least two points, all of them numbers")]
+        #[help("give the points of the line as numbers in millimetres")]
+        Points,
+        /// The cranial end is not above the caudal one.
+        #[error("the cranial end of the midline is not above its caudal end")]
+        #[help("name the vertebrae at the first and the last point: C7, T1 to L5, or S1")]
+        Ends,
+        /// The points run from the sacrum upwards.
+        #[error(
+            "the first point of the midline is lower than the last one by {} mm",
+            fixed(*lower_mm, 0)
+        )]
+        #[help("give the points from the cranial to the caudal end, and check the directions of the axes")]
+        UpsideDown {
+            /// By how much.
+            lower_mm: f64,
+        },
+        /// A spine cannot have this length.
+        #[error(
+            "the midline is {} mm long, and between such ends {} to {} mm are expected",
+            fixed(*length_mm, 1),
+            fixed(*low_mm, 0),
+            fixed(*high_mm, 0)
+        )]
+        #[help("give millimetres, and check which vertebrae the line ends at")]
+        Length {
+            /// Length along the line.
+            length_mm: f64,
+            /// The shortest.
+            low_mm: f64,
+            /// The longest.
+            high_mm: f64,
+        },
+        /// Neighbouring points are too far apart.
+        #[error(
+            "points {} and {} of the midline are {} mm apart, and the limit is {} mm",
+            after + 1,
+            after + 2,
+            fixed(*gap_mm, 0),
+            fixed(*limit_mm, 0)
+        )]
+        #[help("give more points of the line, at least one per vertebra")]
+        Gap {
+            /// Index of the first of the two.
+            after: usize,
+            /// Distance between them.
+            gap_mm: f64,
+            /// The largest.
+            limit_mm: f64,
+        },
     }
 }
 
