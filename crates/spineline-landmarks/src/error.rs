@@ -11,307 +11,275 @@ pub(crate) const GIVE_POSTURE: &str =
 /// Remedy for contradicting parts of a file.
 pub(crate) const CORRECT: &str = "correct the file at that place";
 
-/// Error of reading a file of landmarks.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum LandmarkError {
-    /// The file could not be read, or is too large.
-    #[error(transparent)]
-    File(#[from] FileError),
-    /// Above a limit.
-    #[error("{what}: {found}; the limit is {limit}")]
-    TooLarge {
-        /// What exceeds the limit.
-        what: &'static str,
-        /// Number found, as far as counted.
-        found: u64,
-        /// Limit.
-        limit: u64,
-    },
-    /// The format of the file is unknown.
-    #[error("unknown landmark format: {reason}")]
-    Unrecognised {
-        /// What was looked for.
-        reason: String,
-    },
-    /// A file of another program without readable landmarks.
-    #[error("the file is {what}")]
-    Foreign {
-        /// What it is.
-        what: &'static str,
-        /// What to do.
-        help: &'static str,
-    },
-    /// The text does not follow its format.
-    #[error("{at}: {reason}")]
-    Syntax {
-        /// Where in the file.
-        at: String,
-        /// Why.
-        reason: String,
-    },
-    /// A column that the table does not have.
-    #[error("{at}: unknown column `{name}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
-    Column {
-        /// Where in the file.
-        at: String,
-        /// Its name.
-        name: String,
-        /// The known name that was probably meant.
-        nearest: Option<String>,
-    },
-    /// A value outside of a list of names.
-    #[error("{at}: unknown {what} `{name}`; expected one of {}", known.join(", "))]
-    Choice {
-        /// Where in the file.
-        at: String,
-        /// Kind of value.
-        what: &'static str,
-        /// The value.
-        name: String,
-        /// All names.
-        known: Vec<&'static str>,
-    },
-    /// A name of a point that does not name a landmark.
-    #[error("{at}: `{name}` does not name a landmark: {reason}")]
-    PointName {
-        /// Where in the file.
-        at: String,
-        /// The name.
-        name: String,
-        /// What is missing or unknown.
-        reason: String,
-    },
-    /// A required part is missing.
-    #[error("{at}: {what} is missing")]
-    Missing {
-        /// Where in the file.
-        at: String,
-        /// What is missing.
-        what: String,
-    },
-    /// A cell or value that is not a number, or is implausible.
-    #[error("{at}: `{value}` is not {expected}")]
-    Value {
-        /// Where in the file.
-        at: String,
-        /// Value found.
-        value: String,
-        /// Expected value.
-        expected: &'static str,
-    },
-    /// An invalid code of an observer.
-    #[error("{at}: the observer is `{value}`, and must be {OBSERVER_RULE}")]
-    Observer {
-        /// Where in the file.
-        at: String,
-        /// The observer.
-        value: String,
-    },
-    /// A name that is not a vertebra from T1 to L5.
-    #[error("{at}: `{name}` is not a vertebra from T1 to L5{}", hint.map(|hint| format!(": {hint}")).unwrap_or_default())]
-    Vertebra {
-        /// Where in the file.
-        at: String,
-        /// The name.
-        name: String,
-        /// Hint for that vertebra.
-        hint: Option<&'static str>,
-    },
-    /// A repeated part within one reading of one film.
-    #[error("{at}: {what} is given twice{}", first.as_ref().map(|first| format!(", first at {first}")).unwrap_or_default())]
-    Duplicate {
-        /// Place of the second one.
-        at: String,
-        /// What it is.
-        what: String,
-        /// Where it stands first.
-        first: Option<String>,
-    },
-    /// A vertebra, or the pair of iliac crests, without all of its points.
-    #[error("{what}: landmarks missing: {}", missing.join(", "))]
-    Incomplete {
-        /// Reading and vertebra.
-        what: String,
-        /// Missing points.
-        missing: Vec<String>,
-    },
-    /// Confidences for some corners of a vertebra only.
-    #[error("{what}: confidences missing: {}", missing.join(", "))]
-    Confidences {
-        /// Reading and vertebra.
-        what: String,
-        /// Corners without a confidence.
-        missing: Vec<String>,
-    },
-    /// A midline on which no levels can be placed.
-    #[error("{at}: {fault}")]
-    Midline {
-        /// Where in the file.
-        at: String,
-        /// The problem of the midline.
-        fault: MidlineError,
-    },
-    /// The file can be understood in more than one way.
-    #[error("{at}: {reason}")]
-    Ambiguous {
-        /// Where in the file.
-        at: String,
-        /// The possible meanings.
-        reason: String,
-        /// What to do.
-        help: &'static str,
-    },
-    /// Missing data on the picture that neither the file nor the caller gives.
-    #[error("{format} needs {what}; the file does not contain it")]
-    Needs {
-        /// Format of the file.
-        format: &'static str,
-        /// What is needed.
-        what: &'static str,
-        /// How to give it.
-        help: &'static str,
-    },
-    /// The points belong to another picture.
-    #[error(
-        "the landmarks belong to a picture of {} × {} pixels, and this one has {} × {}", stated.0, stated.1, given.0, given.1
-    )]
-    OtherPicture {
-        /// Columns and rows that the file states.
-        stated: (u32, u32),
-        /// Columns and rows of the picture.
-        given: (u32, u32),
-    },
-    /// Points in space outside of any plane of a frontal film.
-    #[error("{at}: {reason}")]
-    Plane {
-        /// Markups node.
-        at: String,
-        /// The problem of their coordinates.
-        reason: String,
-    },
-    /// A DICOM object that is not a landmark report of Spineline.
-    #[error("the DICOM object is not a report of landmarks by Spineline: {reason}")]
-    Report {
-        /// Why.
-        reason: String,
-    },
-    /// Landmarks that cannot be measured.
-    #[error(transparent)]
-    Marks(#[from] MeasureError),
-}
-
-impl LandmarkError {
-    /// Remedy.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
-        match self {
-            Self::File(error) => error.help(),
-            Self::TooLarge { .. } => "give the landmarks of one patient in one file",
-            Self::Foreign { help, .. }
-            | Self::Ambiguous { help, .. }
-            | Self::Needs { help, .. } => help,
-            Self::Unrecognised { .. } => {
-                "give CSV, Slicer markups, labelme or COCO JSON, surface midlines, an AASCE .mat or folder, or a DICOM report of Spineline"
-            }
-            Self::Syntax { .. } => "correct the file at that place, or export it again",
-            Self::Column { .. } => "correct the name, or remove the column",
-            Self::Choice { .. } => "write one of these names",
-            Self::PointName { .. } => {
-                "name points after vertebra and corner, such as T12_superior_left or T12 SL, and iliac_crest_left, iliac_crest_right"
-            }
-            Self::Missing { .. } => "add it to the file",
-            Self::Value { .. } => "correct the value; write numbers without units or formulas",
-            Self::Observer { .. } => {
-                "write a code for the observer, the same in all files and studies, but not the name of a person"
-            }
-            Self::Vertebra { .. } => {
-                "name vertebrae T1 to T12 and L1 to L5 (Th12 and D12 are read too)"
-            }
-            Self::Duplicate { .. } => {
-                "name each vertebra once per reading; a second reading needs its own observer or repeat"
-            }
-            Self::Incomplete { .. } => "place the missing landmarks, or remove the vertebra",
-            Self::Confidences { .. } => "give all four corners a confidence, or none",
-            Self::Midline { fault, .. } => fault.help(),
-            Self::OtherPicture { .. } => "give the picture on which the landmarks were placed",
-            Self::Plane { .. } => {
-                "place all landmarks of a film in one slice view, without rotating the picture"
-            }
-            Self::Report { .. } => "give a report that `spineline export --to dicom-sr` wrote",
-            Self::Marks(error) => error.help(),
-        }
+spineline::faults! {
+    /// Error of reading a file of landmarks.
+    #[derive(Debug, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum LandmarkError {
+        /// The file could not be read, or is too large.
+        #[error(transparent)]
+        #[help(error.help())]
+        File(#[from] FileError as error),
+        /// Above a limit.
+        #[error("{what}: {found}; the limit is {limit}")]
+        #[help("give the landmarks of one patient in one file")]
+        TooLarge {
+            /// What exceeds the limit.
+            what: &'static str,
+            /// Number found, as far as counted.
+            found: u64,
+            /// Limit.
+            limit: u64,
+        },
+        /// The format of the file is unknown.
+        #[error("unknown landmark format: {reason}")]
+        #[help("give CSV, Slicer markups, labelme or COCO JSON, surface midlines, an AASCE .mat or folder, or a DICOM report of Spineline")]
+        Unrecognised {
+            /// What was looked for.
+            reason: String,
+        },
+        /// A file of another program without readable landmarks.
+        #[error("the file is {what}")]
+        #[help(help)]
+        Foreign {
+            /// What it is.
+            what: &'static str,
+            /// What to do.
+            help: &'static str,
+        },
+        /// The text does not follow its format.
+        #[error("{at}: {reason}")]
+        #[help("correct the file at that place, or export it again")]
+        Syntax {
+            /// Where in the file.
+            at: String,
+            /// Why.
+            reason: String,
+        },
+        /// A column that the table does not have.
+        #[error("{at}: unknown column `{name}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
+        #[help("correct the name, or remove the column")]
+        Column {
+            /// Where in the file.
+            at: String,
+            /// Its name.
+            name: String,
+            /// The known name that was probably meant.
+            nearest: Option<String>,
+        },
+        /// A value outside of a list of names.
+        #[error("{at}: unknown {what} `{name}`; expected one of {}", known.join(", "))]
+        #[help("write one of these names")]
+        Choice {
+            /// Where in the file.
+            at: String,
+            /// Kind of value.
+            what: &'static str,
+            /// The value.
+            name: String,
+            /// All names.
+            known: Vec<&'static str>,
+        },
+        /// A name of a point that does not name a landmark.
+        #[error("{at}: `{name}` does not name a landmark: {reason}")]
+        #[help("name points after vertebra and corner, such as T12_superior_left or T12 SL, and iliac_crest_left, iliac_crest_right")]
+        PointName {
+            /// Where in the file.
+            at: String,
+            /// The name.
+            name: String,
+            /// What is missing or unknown.
+            reason: String,
+        },
+        /// A required part is missing.
+        #[error("{at}: {what} is missing")]
+        #[help("add it to the file")]
+        Missing {
+            /// Where in the file.
+            at: String,
+            /// What is missing.
+            what: String,
+        },
+        /// A cell or value that is not a number, or is implausible.
+        #[error("{at}: `{value}` is not {expected}")]
+        #[help("correct the value; write numbers without units or formulas")]
+        Value {
+            /// Where in the file.
+            at: String,
+            /// Value found.
+            value: String,
+            /// Expected value.
+            expected: &'static str,
+        },
+        /// An invalid code of an observer.
+        #[error("{at}: the observer is `{value}`, and must be {OBSERVER_RULE}")]
+        #[help("write a code for the observer, the same in all files and studies, but not the name of a person")]
+        Observer {
+            /// Where in the file.
+            at: String,
+            /// The observer.
+            value: String,
+        },
+        /// A name that is not a vertebra from T1 to L5.
+        #[error("{at}: `{name}` is not a vertebra from T1 to L5{}", hint.map(|hint| format!(": {hint}")).unwrap_or_default())]
+        #[help("name vertebrae T1 to T12 and L1 to L5 (Th12 and D12 are read too)")]
+        Vertebra {
+            /// Where in the file.
+            at: String,
+            /// The name.
+            name: String,
+            /// Hint for that vertebra.
+            hint: Option<&'static str>,
+        },
+        /// A repeated part within one reading of one film.
+        #[error("{at}: {what} is given twice{}", first.as_ref().map(|first| format!(", first at {first}")).unwrap_or_default())]
+        #[help("name each vertebra once per reading; a second reading needs its own observer or repeat")]
+        Duplicate {
+            /// Place of the second one.
+            at: String,
+            /// What it is.
+            what: String,
+            /// Where it stands first.
+            first: Option<String>,
+        },
+        /// A vertebra, or the pair of iliac crests, without all of its points.
+        #[error("{what}: landmarks missing: {}", missing.join(", "))]
+        #[help("place the missing landmarks, or remove the vertebra")]
+        Incomplete {
+            /// Reading and vertebra.
+            what: String,
+            /// Missing points.
+            missing: Vec<String>,
+        },
+        /// Confidences for some corners of a vertebra only.
+        #[error("{what}: confidences missing: {}", missing.join(", "))]
+        #[help("give all four corners a confidence, or none")]
+        Confidences {
+            /// Reading and vertebra.
+            what: String,
+            /// Corners without a confidence.
+            missing: Vec<String>,
+        },
+        /// A midline on which no levels can be placed.
+        #[error("{at}: {fault}")]
+        #[help(fault.help())]
+        Midline {
+            /// Where in the file.
+            at: String,
+            /// The problem of the midline.
+            fault: MidlineError,
+        },
+        /// The file can be understood in more than one way.
+        #[error("{at}: {reason}")]
+        #[help(help)]
+        Ambiguous {
+            /// Where in the file.
+            at: String,
+            /// The possible meanings.
+            reason: String,
+            /// What to do.
+            help: &'static str,
+        },
+        /// Missing data on the picture that neither the file nor the caller gives.
+        #[error("{format} needs {what}; the file does not contain it")]
+        #[help(help)]
+        Needs {
+            /// Format of the file.
+            format: &'static str,
+            /// What is needed.
+            what: &'static str,
+            /// How to give it.
+            help: &'static str,
+        },
+        /// The points belong to another picture.
+        #[error(
+            "the landmarks belong to a picture of {} × {} pixels, and this one has {} × {}", stated.0, stated.1, given.0, given.1
+        )]
+        #[help("give the picture on which the landmarks were placed")]
+        OtherPicture {
+            /// Columns and rows that the file states.
+            stated: (u32, u32),
+            /// Columns and rows of the picture.
+            given: (u32, u32),
+        },
+        /// Points in space outside of any plane of a frontal film.
+        #[error("{at}: {reason}")]
+        #[help("place all landmarks of a film in one slice view, without rotating the picture")]
+        Plane {
+            /// Markups node.
+            at: String,
+            /// The problem of their coordinates.
+            reason: String,
+        },
+        /// A DICOM object that is not a landmark report of Spineline.
+        #[error("the DICOM object is not a report of landmarks by Spineline: {reason}")]
+        #[help("give a report that `spineline export --to dicom-sr` wrote")]
+        Report {
+            /// Why.
+            reason: String,
+        },
+        /// Landmarks that cannot be measured.
+        #[error(transparent)]
+        #[help(error.help())]
+        Marks(#[from] MeasureError as error),
     }
 }
 
-/// A case that a landmark format cannot represent.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum LandmarkExportError {
-    /// The posture has no film.
-    #[error("the case has no {0} film")]
-    NoFilm(spineline::anatomy::Posture),
-    /// Locations and tilts instead of corners.
-    #[error("{0} film: it holds locations and tilts of another program, and no corners")]
-    NoCorners(spineline::anatomy::Posture),
-    /// Films with corners and films with locations do not go into one table.
-    #[error("some films hold corners and some hold locations; a table holds only one kind")]
-    MixedKinds,
-    /// Estimated levels in a format that cannot mark them as estimated.
-    #[error(
-        "{0} film: its levels were estimated on a surface midline, which this format cannot state"
-    )]
-    Estimated(spineline::anatomy::Posture),
-    /// The name of an observer that a format cannot represent.
-    #[error("the observer `{name}` cannot be written: {reason}")]
-    Observer {
-        /// The name.
-        name: String,
-        /// Why.
-        reason: &'static str,
-    },
-    /// A reading without any vertebra.
-    #[error("{what}: no landmarks")]
-    Nothing {
-        /// Film and reading.
-        what: String,
-    },
-    /// A coordinate that a format cannot represent.
-    #[error("{what}, {level}: a corner is not a number, or lies outside of the picture")]
-    Corner {
-        /// Film and reading.
-        what: String,
-        /// Vertebra.
-        level: Level,
-    },
-    /// The picture does not match the landmarks.
-    #[error("{0}")]
-    Source(String),
-    /// The DICOM writer refused.
-    #[error("the report could not be encoded: {0}")]
-    Encode(String),
-}
-
-impl LandmarkExportError {
-    /// Remedy.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
-        match self {
-            Self::NoFilm(_) => "name a posture that the case has a film of",
-            Self::NoCorners(_) => {
-                "give a case whose vertebrae have corners, or export as CSV or Slicer"
-            }
-            Self::Estimated(_) => "pass on the case file or the midline itself",
-            Self::MixedKinds => "export one posture at a time",
-            Self::Observer { .. } => "give the observer a short code without control characters",
-            Self::Nothing { .. } => {
-                "place the landmarks of a vertebra, or remove the reading from the case"
-            }
-            Self::Corner { .. } => {
-                "run `spineline check CASE` to list the problems of the landmarks"
-            }
-            Self::Source(_) => "name the film's DICOM file as `file` of its `image` in the case",
-            Self::Encode(_) => "remove unusual characters from the names in the case",
-        }
+spineline::faults! {
+    /// A case that a landmark format cannot represent.
+    #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum LandmarkExportError {
+        /// The posture has no film.
+        #[error("the case has no {0} film")]
+        #[help("name a posture that the case has a film of")]
+        NoFilm(spineline::anatomy::Posture),
+        /// Locations and tilts instead of corners.
+        #[error("{0} film: it holds locations and tilts of another program, and no corners")]
+        #[help("give a case whose vertebrae have corners, or export as CSV or Slicer")]
+        NoCorners(spineline::anatomy::Posture),
+        /// Films with corners and films with locations do not go into one table.
+        #[error("some films hold corners and some hold locations; a table holds only one kind")]
+        #[help("export one posture at a time")]
+        MixedKinds,
+        /// Estimated levels in a format that cannot mark them as estimated.
+        #[error(
+            "{0} film: its levels were estimated on a surface midline, which this format cannot state"
+        )]
+        #[help("pass on the case file or the midline itself")]
+        Estimated(spineline::anatomy::Posture),
+        /// The name of an observer that a format cannot represent.
+        #[error("the observer `{name}` cannot be written: {reason}")]
+        #[help("give the observer a short code without control characters")]
+        Observer {
+            /// The name.
+            name: String,
+            /// Why.
+            reason: &'static str,
+        },
+        /// A reading without any vertebra.
+        #[error("{what}: no landmarks")]
+        #[help("place the landmarks of a vertebra, or remove the reading from the case")]
+        Nothing {
+            /// Film and reading.
+            what: String,
+        },
+        /// A coordinate that a format cannot represent.
+        #[error("{what}, {level}: a corner is not a number, or lies outside of the picture")]
+        #[help("run `spineline check CASE` to list the problems of the landmarks")]
+        Corner {
+            /// Film and reading.
+            what: String,
+            /// Vertebra.
+            level: Level,
+        },
+        /// The picture does not match the landmarks.
+        #[error("{0}")]
+        #[help("name the film's DICOM file as `file` of its `image` in the case")]
+        Source(String),
+        /// The DICOM writer refused.
+        #[error("the report could not be encoded: {0}")]
+        #[help("remove unusual characters from the names in the case")]
+        Encode(String),
     }
 }
