@@ -1,8 +1,11 @@
 //! Import of a case file with its films as a study, completely or not at all.
 
+use std::fmt::Display;
+
 use serde_json::Value;
 use spineline::analysis::{Subject, check_repeated};
 use spineline::anatomy::{FilmView, Level, Posture, Side};
+use spineline::fault::Remedy;
 use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, LateralFilm, Origin, Reading, VertebraLandmarks,
 };
@@ -111,6 +114,12 @@ impl<E> CaseError<E> {
             Self::OtherPicture { .. } => "use the original film, or create the case again",
             Self::Picture(_) => "put the film into the folder of the case",
         }
+    }
+}
+
+impl<E: Display> Remedy for CaseError<E> {
+    fn help(&self) -> &'static str {
+        Self::help(self)
     }
 }
 

@@ -8,282 +8,336 @@ use spineline::anatomy::{FilmView, Level};
 use crate::guessing::PasswordFault;
 use crate::names::{FilmId, Name, ReadingId, Timestamp};
 
-/// Why the store refused or failed. A refusal changes no state, except that a [`Conflict`](Self::Conflict) stores the refused
-/// event.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StoreError {
-    /// The file does not exist.
-    #[error("{}: store not found", path.display())]
-    NotFound {
-        /// Which file.
-        path: PathBuf,
-    },
-    /// A file of this name is there already.
-    #[error("{}: exists already", path.display())]
-    AlreadyExists {
-        /// Which file.
-        path: PathBuf,
-    },
-    /// The file is not a store.
-    #[error("{}: not a Spineline store", path.display())]
-    NotAStore {
-        /// Which file.
-        path: PathBuf,
-    },
-    /// SQLite's log or journal beside the store is damaged or belongs to another store.
-    #[error(
-        "{}: this log is damaged, or belongs to another store or to another version of this one; neither it nor the store was changed",
-        log.display()
-    )]
-    UnfittingLog {
-        /// The log.
-        log: PathBuf,
-    },
-    /// Another program has the store open, so it cannot be replaced.
-    #[error("another program has the store open")]
-    Held,
-    /// Backup and store are the same file.
-    #[error("{}: a store cannot be restored from itself", path.display())]
-    SameFile {
-        /// The store.
-        path: PathBuf,
-    },
-    /// Written by a newer program.
-    #[error("the study store has schema {found}; this program supports schemas up to {supported}")]
-    NewerSchema {
-        /// Schema of the file.
-        found: i64,
-        /// Newest schema known here.
-        supported: i64,
-    },
-    /// Neither file nor folder may be written.
-    #[error("the store cannot be written: its file or folder is read-only")]
-    ReadOnly,
-    /// The file could not be opened.
-    #[error("the store, or a file beside it, cannot be opened")]
-    CannotOpen,
-    /// No room.
-    #[error("the disk or its quota is full; nothing was saved by this step")]
-    Full,
-    /// Another program holds the store.
-    #[error("another program is writing to the store, and did not finish in time")]
-    Busy,
-    /// The file was changed or damaged.
-    #[error("the store is damaged{}", object.as_ref().map(|o| format!(" at {o}")).unwrap_or_default())]
-    Damaged {
-        /// Which object, where it is known.
-        object: Option<String>,
-    },
-    /// Reading or writing failed below the database.
-    #[error("the disk failed (SQLite code {extended_code})")]
-    Disk {
-        /// SQLite's extended result code.
-        extended_code: i32,
-    },
-    /// A file beside the store.
-    #[error("{}: {source}", path.display())]
-    File {
-        /// Which file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// SQLite refused a statement for another reason.
-    #[error("the database refused (SQLite code {extended_code})")]
-    Database {
-        /// SQLite's extended result code; 0 where the library and not SQLite refused.
-        extended_code: i32,
-    },
-    /// An invalid identifier. The text is not repeated, because it might be a name.
-    #[error(
-        "an identifier must have 1 to 64 ASCII letters, digits, `.`, `-` or `_`; this one with {characters} characters does not"
-    )]
-    BadName {
-        /// Its length.
-        characters: usize,
-    },
-    /// The object does not exist.
-    #[error("no {object} in this store")]
-    Unknown {
-        /// Such as `film/3`.
-        object: String,
-    },
-    /// An object that is there already.
-    #[error("{object} exists already")]
-    Exists {
-        /// Such as `study/S1`.
-        object: String,
-    },
-    /// The study already contains the same bytes.
-    #[error("the same picture is already {film}, the {view} film of study {study}")]
-    AlreadyKnown {
-        /// Study.
-        study: Name,
-        /// Film that has these bytes.
-        film: FilmId,
-        /// What it shows.
-        view: FilmView,
-    },
-    /// A password that is too short, too long or easy to guess.
-    #[error("{0}")]
-    BadPassword(PasswordFault),
-    /// No enabled admin would remain.
-    #[error("account {name} is the last enabled admin")]
-    LastAdmin {
-        /// Account.
-        name: Name,
-    },
-    /// Something too large.
-    #[error("{what} has {found}; the limit is {limit}")]
-    TooLarge {
-        /// What.
-        what: &'static str,
-        /// Its size.
-        found: usize,
-        /// The limit.
-        limit: usize,
-    },
-    /// An image description that is not a JSON object.
-    #[error("the description of an image must be a JSON object")]
-    ImageNotAnObject,
-    /// The change was based on an old revision. It was kept as a conflict.
-    #[error(
-        "{object} is at revision {found}, not {expected}; the rejected change was kept as conflict {conflict}"
-    )]
-    Conflict {
-        /// Such as `reading/4`.
-        object: String,
-        /// Revision on which the change was based.
-        expected: u64,
-        /// Revision found.
-        found: u64,
-        /// Where the change was kept.
-        conflict: i64,
-    },
-    /// A finished reading is immutable.
-    #[error("{reading} is finished")]
-    Finished {
-        /// Reading.
-        reading: ReadingId,
-    },
-    /// A reading can be changed by its observer only.
-    #[error("{reading} belongs to another observer")]
-    NotYours {
-        /// Reading.
-        reading: ReadingId,
-    },
-    /// An event that is invalid after those before it.
-    #[error("{reading}: {reason}")]
-    BadEvent {
-        /// Reading.
-        reading: ReadingId,
-        /// Why.
-        reason: &'static str,
-    },
-    /// A step without any event.
-    #[error("a step needs at least one event")]
-    NoEvent,
-    /// A vertebra without all four corners.
-    #[error("{reading}: {level} has {corners} of four corners")]
-    Incomplete {
-        /// Reading.
-        reading: ReadingId,
-        /// Vertebra.
-        level: Level,
-        /// Corners that it has.
-        corners: usize,
-    },
-    /// Films and readings of a planned study follow the plan.
-    #[error("study {study} has a reading plan; the plan determines films, observers and dates")]
-    PlanGoverns {
-        /// Study.
-        study: Name,
-    },
-    /// A change of a film, or the withdrawal of a reading, while a plan runs.
-    #[error(
-        "films and readings of study {study} stay as they are until all planned readings are finished"
-    )]
-    PlanRuns {
-        /// Study.
-        study: Name,
-    },
-    /// A change of an outdated plan.
-    #[error("another plan of study {study} replaced this one")]
-    PlanReplaced {
-        /// Study.
-        study: Name,
-    },
-    /// A change in an archived study.
-    #[error("study {study} is archived: nothing in it can be changed")]
-    Archived {
-        /// Study.
-        study: Name,
-    },
-    /// A change of a withdrawn reading.
-    #[error("{reading} is withdrawn")]
-    Withdrawn {
-        /// Reading.
-        reading: ReadingId,
-    },
-    /// A correction of a reading that is not finished.
-    #[error("{reading} is not finished")]
-    NotFinished {
-        /// Reading.
-        reading: ReadingId,
-    },
-    /// A withdrawal without a reason.
-    #[error("the withdrawal of {reading} has no reason")]
-    NoReason {
-        /// Reading.
-        reading: ReadingId,
-    },
-    /// A release of a plan in which no finished reading has a time in the future.
-    #[error("no finished reading of study {study} has a time ahead of the clock")]
-    NothingAhead {
-        /// Study.
-        study: Name,
-    },
-    /// A plan without films, observers or repeats, or of too many.
-    #[error("a plan needs {needs}")]
-    BadPlan {
-        /// What it needs.
-        needs: &'static str,
-    },
-    /// A film code that is not the observer's next one.
-    #[error("this film is not the next one of this observer")]
-    OutOfTurn,
-    /// A repeat before its washout is over.
-    #[error("this film can be read from {until}")]
-    Washout {
-        /// When.
-        until: Timestamp,
-    },
-    /// Two films of one posture, or two lateral ones.
-    #[error("study {study} has more than one {view} film")]
-    ViewTwice {
-        /// Study.
-        study: Name,
-        /// What both show.
-        view: FilmView,
-    },
-    /// A posture for the lateral film.
-    #[error("{film} is the lateral film and has no posture")]
-    NotFrontal {
-        /// Film.
-        film: FilmId,
-    },
-    /// Another side of the patient on a film whose landmarks are named by the present one.
-    #[error("{reading} names the landmarks of {film} by the patient's side")]
-    HasReading {
-        /// Film.
-        film: FilmId,
-        /// Reading.
-        reading: ReadingId,
-    },
-    /// A case file cannot hold the stored data.
-    #[error("the study cannot be exported as a case: {0}")]
-    Case(#[from] spineline_files::FileError),
+const NAME_HELP: &str = "choose another name";
+const RIGHTS_HELP: &str =
+    "give this user the right to write the file and its folder, or copy the store elsewhere";
+const DISK_HELP: &str = "check the disk, its cable or its network, and repeat";
+
+spineline::faults! {
+    /// Why the store refused or failed. A refusal changes no state, except that a [`Conflict`](Self::Conflict) stores the refused
+    /// event.
+    #[derive(Debug, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum StoreError {
+        /// The file does not exist.
+        #[error("{}: store not found", path.display())]
+        #[help("check the name, or make a store with `spineline study create STORE`")]
+        NotFound {
+            /// Which file.
+            path: PathBuf,
+        },
+        /// A file of this name is there already.
+        #[error("{}: exists already", path.display())]
+        #[help(NAME_HELP)]
+        AlreadyExists {
+            /// Which file.
+            path: PathBuf,
+        },
+        /// The file is not a store.
+        #[error("{}: not a Spineline store", path.display())]
+        #[help("name a file that Spineline created as a store")]
+        NotAStore {
+            /// Which file.
+            path: PathBuf,
+        },
+        /// SQLite's log or journal beside the store is damaged or belongs to another store.
+        #[error(
+            "{}: this log is damaged, or belongs to another store or to another version of this one; neither it nor the store was changed",
+            log.display()
+        )]
+        #[help("to use the store without this log, move the log to another folder; to put a backup in the place of the store, use `spineline study restore BACKUP STORE`")]
+        UnfittingLog {
+            /// The log.
+            log: PathBuf,
+        },
+        /// Another program has the store open, so it cannot be replaced.
+        #[error("another program has the store open")]
+        #[help("stop the server and other programs that use the store, and repeat")]
+        Held,
+        /// Backup and store are the same file.
+        #[error("{}: a store cannot be restored from itself", path.display())]
+        #[help("name a backup")]
+        SameFile {
+            /// The store.
+            path: PathBuf,
+        },
+        /// Written by a newer program.
+        #[error("the study store has schema {found}; this program supports schemas up to {supported}")]
+        #[help("install a newer Spineline; the file was not touched")]
+        NewerSchema {
+            /// Schema of the file.
+            found: i64,
+            /// Newest schema known here.
+            supported: i64,
+        },
+        /// Neither file nor folder may be written.
+        #[error("the store cannot be written: its file or folder is read-only")]
+        #[help(RIGHTS_HELP)]
+        ReadOnly,
+        /// The file could not be opened.
+        #[error("the store, or a file beside it, cannot be opened")]
+        #[help(RIGHTS_HELP)]
+        CannotOpen,
+        /// No room.
+        #[error("the disk or its quota is full; nothing was saved by this step")]
+        #[help("free disk space and repeat the command")]
+        Full,
+        /// Another program holds the store.
+        #[error("another program is writing to the store, and did not finish in time")]
+        #[help("try again; if the error remains, close other programs that use the store")]
+        Busy,
+        /// The file was changed or damaged.
+        #[error("the store is damaged{}", object.as_ref().map(|o| format!(" at {o}")).unwrap_or_default())]
+        #[help("verify it, and restore a backup with `spineline study restore BACKUP STORE`, which keeps the damaged file")]
+        Damaged {
+            /// Which object, where it is known.
+            object: Option<String>,
+        },
+        /// Reading or writing failed below the database.
+        #[error("the disk failed (SQLite code {extended_code})")]
+        #[help(DISK_HELP)]
+        Disk {
+            /// SQLite's extended result code.
+            extended_code: i32,
+        },
+        /// A file beside the store.
+        #[error("{}: {source}", path.display())]
+        #[help(DISK_HELP)]
+        File {
+            /// Which file.
+            path: PathBuf,
+            /// Why.
+            source: std::io::Error,
+        },
+        /// SQLite refused a statement for another reason.
+        #[error("the database refused (SQLite code {extended_code})")]
+        #[help("report this as a bug, with the code")]
+        Database {
+            /// SQLite's extended result code; 0 where the library and not SQLite refused.
+            extended_code: i32,
+        },
+        /// An invalid identifier. The text is not repeated, because it might be a name.
+        #[error(
+            "an identifier must have 1 to 64 ASCII letters, digits, `.`, `-` or `_`; this one with {characters} characters does not"
+        )]
+        #[help("use a code such as `S-017`, without the patient's name")]
+        BadName {
+            /// Its length.
+            characters: usize,
+        },
+        /// The object does not exist.
+        #[error("no {object} in this store")]
+        #[help("check the name")]
+        Unknown {
+            /// Such as `film/3`.
+            object: String,
+        },
+        /// An object that is there already.
+        #[error("{object} exists already")]
+        #[help(NAME_HELP)]
+        Exists {
+            /// Such as `study/S1`.
+            object: String,
+        },
+        /// The study already contains the same bytes.
+        #[error("the same picture is already {film}, the {view} film of study {study}")]
+        #[help("check whether one film was exported under two names")]
+        AlreadyKnown {
+            /// Study.
+            study: Name,
+            /// Film that has these bytes.
+            film: FilmId,
+            /// What it shows.
+            view: FilmView,
+        },
+        /// A password that is too short, too long or easy to guess.
+        #[error("{0}")]
+        #[help("use an unusual sentence, such as four words that do not belong together")]
+        BadPassword(PasswordFault),
+        /// No enabled admin would remain.
+        #[error("account {name} is the last enabled admin")]
+        #[help("give another account the role `admin` first")]
+        LastAdmin {
+            /// Account.
+            name: Name,
+        },
+        /// Something too large.
+        #[error("{what} has {found}; the limit is {limit}")]
+        #[help("split it, or remove parts that are not needed")]
+        TooLarge {
+            /// What.
+            what: &'static str,
+            /// Its size.
+            found: usize,
+            /// The limit.
+            limit: usize,
+        },
+        /// An image description that is not a JSON object.
+        #[error("the description of an image must be a JSON object")]
+        #[help("give columns, rows, spacing and `patient_left` as a JSON object")]
+        ImageNotAnObject,
+        /// The change was based on an old revision. It was kept as a conflict.
+        #[error(
+            "{object} is at revision {found}, not {expected}; the rejected change was kept as conflict {conflict}"
+        )]
+        #[help("compare both versions, and repeat the change on the newest one")]
+        Conflict {
+            /// Such as `reading/4`.
+            object: String,
+            /// Revision on which the change was based.
+            expected: u64,
+            /// Revision found.
+            found: u64,
+            /// Where the change was kept.
+            conflict: i64,
+        },
+        /// A finished reading is immutable.
+        #[error("{reading} is finished")]
+        #[help("correct it: a copy opens as a new reading, and replaces it when it is finished")]
+        Finished {
+            /// Reading.
+            reading: ReadingId,
+        },
+        /// A reading can be changed by its observer only.
+        #[error("{reading} belongs to another observer")]
+        #[help("open your own reading of this film")]
+        NotYours {
+            /// Reading.
+            reading: ReadingId,
+        },
+        /// An event that is invalid after those before it.
+        #[error("{reading}: {reason}")]
+        #[help("reload the reading")]
+        BadEvent {
+            /// Reading.
+            reading: ReadingId,
+            /// Why.
+            reason: &'static str,
+        },
+        /// A step without any event.
+        #[error("a step needs at least one event")]
+        #[help("send at least one event")]
+        NoEvent,
+        /// A vertebra without all four corners.
+        #[error("{reading}: {level} has {corners} of four corners")]
+        #[help("place the missing corners, or remove the vertebra")]
+        Incomplete {
+            /// Reading.
+            reading: ReadingId,
+            /// Vertebra.
+            level: Level,
+            /// Corners that it has.
+            corners: usize,
+        },
+        /// Films and readings of a planned study follow the plan.
+        #[error("study {study} has a reading plan; the plan determines films, observers and dates")]
+        #[help("ask for the observer's next film, or make a new study")]
+        PlanGoverns {
+            /// Study.
+            study: Name,
+        },
+        /// A change of a film, or the withdrawal of a reading, while a plan runs.
+        #[error(
+            "films and readings of study {study} stay as they are until all planned readings are finished"
+        )]
+        #[help("repeat the change when the plan is complete")]
+        PlanRuns {
+            /// Study.
+            study: Name,
+        },
+        /// A change of an outdated plan.
+        #[error("another plan of study {study} replaced this one")]
+        #[help("load the study again, and change its newest plan")]
+        PlanReplaced {
+            /// Study.
+            study: Name,
+        },
+        /// A change in an archived study.
+        #[error("study {study} is archived: nothing in it can be changed")]
+        #[help("restore the study first: *Edit this study…* does it")]
+        Archived {
+            /// Study.
+            study: Name,
+        },
+        /// A change of a withdrawn reading.
+        #[error("{reading} is withdrawn")]
+        #[help("begin a new reading of the film")]
+        Withdrawn {
+            /// Reading.
+            reading: ReadingId,
+        },
+        /// A correction of a reading that is not finished.
+        #[error("{reading} is not finished")]
+        #[help("change its landmarks directly")]
+        NotFinished {
+            /// Reading.
+            reading: ReadingId,
+        },
+        /// A withdrawal without a reason.
+        #[error("the withdrawal of {reading} has no reason")]
+        #[help("give a reason, such as `T6 was placed on T7`")]
+        NoReason {
+            /// Reading.
+            reading: ReadingId,
+        },
+        /// A release of a plan in which no finished reading has a time in the future.
+        #[error("no finished reading of study {study} has a time ahead of the clock")]
+        #[help("wait until the washout is over; `spineline study next` prints when")]
+        NothingAhead {
+            /// Study.
+            study: Name,
+        },
+        /// A plan without films, observers or repeats, or of too many.
+        #[error("a plan needs {needs}")]
+        #[help("give films first, then observers and repeats")]
+        BadPlan {
+            /// What it needs.
+            needs: &'static str,
+        },
+        /// A film code that is not the observer's next one.
+        #[error("this film is not the next one of this observer")]
+        #[help("ask for the next film again")]
+        OutOfTurn,
+        /// A repeat before its washout is over.
+        #[error("this film can be read from {until}")]
+        #[help("read the film on or after that date")]
+        Washout {
+            /// When.
+            until: Timestamp,
+        },
+        /// Two films of one posture, or two lateral ones.
+        #[error("study {study} has more than one {view} film")]
+        #[help(match view {
+            FilmView::Lateral => "choose one lateral film",
+            FilmView::Frontal(_) => "correct the posture of one of them",
+        })]
+        ViewTwice {
+            /// Study.
+            study: Name,
+            /// What both show.
+            view: FilmView,
+        },
+        /// A posture for the lateral film.
+        #[error("{film} is the lateral film and has no posture")]
+        #[help("make a new study with this film as a frontal one")]
+        NotFrontal {
+            /// Film.
+            film: FilmId,
+        },
+        /// Another side of the patient on a film whose landmarks are named by the present one.
+        #[error("{reading} names the landmarks of {film} by the patient's side")]
+        #[help("withdraw all readings of the film first")]
+        HasReading {
+            /// Film.
+            film: FilmId,
+            /// Reading.
+            reading: ReadingId,
+        },
+        /// A case file cannot hold the stored data.
+        #[error("the study cannot be exported as a case: {0}")]
+        #[help(error.help())]
+        Case(#[from] spineline_files::FileError as error),
+    }
 }
 
 impl Name {
@@ -298,77 +352,6 @@ impl Name {
 }
 
 impl StoreError {
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
-        match self {
-            Self::NotFound { .. } => {
-                "check the name, or make a store with `spineline study create STORE`"
-            }
-            Self::Unknown { .. } => "check the name",
-            Self::AlreadyExists { .. } | Self::Exists { .. } => "choose another name",
-            Self::NotAStore { .. } => "name a file that Spineline created as a store",
-            Self::UnfittingLog { .. } => {
-                "to use the store without this log, move the log to another folder; to put a backup in the place of the store, use `spineline study restore BACKUP STORE`"
-            }
-            Self::Held => "stop the server and other programs that use the store, and repeat",
-            Self::SameFile { .. } => "name a backup",
-            Self::NewerSchema { .. } => "install a newer Spineline; the file was not touched",
-            Self::Damaged { .. } => {
-                "verify it, and restore a backup with `spineline study restore BACKUP STORE`, which keeps the damaged file"
-            }
-            Self::ReadOnly | Self::CannotOpen => {
-                "give this user the right to write the file and its folder, or copy the store elsewhere"
-            }
-            Self::Full => "free disk space and repeat the command",
-            Self::Busy => {
-                "try again; if the error remains, close other programs that use the store"
-            }
-            Self::Disk { .. } | Self::File { .. } => {
-                "check the disk, its cable or its network, and repeat"
-            }
-            Self::Database { .. } => "report this as a bug, with the code",
-            Self::BadName { .. } => "use a code such as `S-017`, without the patient's name",
-            Self::BadPassword(_) => {
-                "use an unusual sentence, such as four words that do not belong together"
-            }
-            Self::LastAdmin { .. } => "give another account the role `admin` first",
-            Self::AlreadyKnown { .. } => "check whether one film was exported under two names",
-            Self::TooLarge { .. } => "split it, or remove parts that are not needed",
-            Self::ImageNotAnObject => {
-                "give columns, rows, spacing and `patient_left` as a JSON object"
-            }
-            Self::Conflict { .. } => {
-                "compare both versions, and repeat the change on the newest one"
-            }
-            Self::Finished { .. } => {
-                "correct it: a copy opens as a new reading, and replaces it when it is finished"
-            }
-            Self::NotYours { .. } => "open your own reading of this film",
-            Self::NoEvent => "send at least one event",
-            Self::BadEvent { .. } => "reload the reading",
-            Self::Incomplete { .. } => "place the missing corners, or remove the vertebra",
-            Self::PlanGoverns { .. } => "ask for the observer's next film, or make a new study",
-            Self::PlanRuns { .. } => "repeat the change when the plan is complete",
-            Self::PlanReplaced { .. } => "load the study again, and change its newest plan",
-            Self::Archived { .. } => "restore the study first: *Edit this study…* does it",
-            Self::Withdrawn { .. } => "begin a new reading of the film",
-            Self::NotFinished { .. } => "change its landmarks directly",
-            Self::NoReason { .. } => "give a reason, such as `T6 was placed on T7`",
-            Self::NothingAhead { .. } => {
-                "wait until the washout is over; `spineline study next` prints when"
-            }
-            Self::BadPlan { .. } => "give films first, then observers and repeats",
-            Self::OutOfTurn => "ask for the next film again",
-            Self::Washout { .. } => "read the film on or after that date",
-            Self::ViewTwice { view: FilmView::Lateral, .. } => "choose one lateral film",
-            Self::ViewTwice { .. } => "correct the posture of one of them",
-            Self::NotFrontal { .. } => "make a new study with this film as a frontal one",
-            Self::HasReading { .. } => "withdraw all readings of the film first",
-            Self::Case(error) => error.help(),
-        }
-    }
-
     /// Whether a full disk prevents the change, while reading still works.
     pub(crate) fn is_no_room(&self) -> bool {
         matches!(self, Self::Full | Self::Disk { .. } | Self::CannotOpen)
