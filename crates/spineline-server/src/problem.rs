@@ -4,6 +4,7 @@ use axum::Json;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
+use spineline::fault::Remedy;
 use spineline_films::FilmError;
 use spineline_store::StoreError;
 
@@ -32,6 +33,12 @@ impl Failure {
     #[must_use]
     pub fn refused(message: impl Into<String>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", message)
+    }
+
+    /// A refusal by an error, with its remedy.
+    #[must_use]
+    pub fn of(error: &impl Remedy) -> Self {
+        Self::refused(error.to_string()).help(error.help())
     }
 
     /// A fault of this program or of its machine.

@@ -113,7 +113,7 @@ fn equilibrium(
     let loading = Loading::single(vertebra, BodyLoad::at_midpoint(force_n));
     let response =
         respond(&statics, &loading, Goal::FullLoad, 1.0, &mut |_, _| ControlFlow::Continue(()))
-            .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;
+            .map_err(|error| Failure::of(&error))?;
     if let Some(result) = response.result() {
         let status_text = "Equilibrium, reached from the erect spine".to_owned();
         let deformed = result.deformed.clone();

@@ -153,8 +153,7 @@ async fn import_case(
         let missing = "a film that the case names was not uploaded";
         let bytes_of =
             |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
-        let case = NewCase::read(&import.text, bytes_of)
-            .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;
+        let case = NewCase::read(&import.text, bytes_of).map_err(|error| Failure::of(&error))?;
         let mut pictures = Pictures::default();
         for (view, file, size) in case.pictures() {
             let upload = uploads.get(file).ok_or_else(|| Failure::refused(missing))?;

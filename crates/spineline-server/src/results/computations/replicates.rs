@@ -52,7 +52,7 @@ pub fn with_monte_carlo<T>(
     let analysis = result.analysed()?;
     let case = result.current.usable_case();
     let noise = LandmarkNoise::Measured;
-    let monte_carlo = MonteCarlo::new(&case, analysis, noise, SEED)
-        .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;
+    let monte_carlo =
+        MonteCarlo::new(&case, analysis, noise, SEED).map_err(|error| Failure::of(&error))?;
     Ok(work(&monte_carlo))
 }

@@ -6,9 +6,7 @@ use std::time::SystemTime;
 use chrono::{DateTime, Utc};
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::Posture;
-use spineline_landmarks::{
-    LandmarkExportError, LandmarkTarget, SourceImage, export_landmarks, parse_source,
-};
+use spineline_landmarks::{LandmarkTarget, SourceImage, export_landmarks, parse_source};
 
 use super::archive::archive;
 use super::file::{Download, provenance};
@@ -27,7 +25,7 @@ pub async fn sources(
         let content = film.record.content.clone();
         let bytes = state.store(move |store| store.content(&content)).await?;
         let name = format!("{posture} film");
-        sources.insert(posture, parse_source(&bytes, &name).map_err(|error| refused(&error))?);
+        sources.insert(posture, parse_source(&bytes, &name).map_err(|error| Failure::of(&error))?);
     }
     Ok(sources)
 }
@@ -54,11 +52,7 @@ fn written(
     ending: &'static str,
     target: LandmarkTarget<'_>,
 ) -> Answer<Download> {
-    let files = export_landmarks(case, None, target).map_err(|error| refused(&error))?;
+    let files = export_landmarks(case, None, target).map_err(|error| Failure::of(&error))?;
     let files = files.into_iter().map(|file| (file.name, file.bytes)).collect();
     archive(ending, files, provenance(analysis))
-}
-
-fn refused(error: &LandmarkExportError) -> Failure {
-    Failure::refused(error.to_string()).help(error.help())
 }

@@ -34,6 +34,5 @@ pub async fn export_model(
 
 fn text(result: &StudyResult, line: LineKindName, format: ExportFormatName) -> Answer<String> {
     let model = personalised_model(result, line)?;
-    spineline_files::export(&model, format.0, PROGRAM)
-        .map_err(|error| Failure::refused(error.to_string()).help(error.help()))
+    spineline_files::export(&model, format.0, PROGRAM).map_err(|error| Failure::of(&error))
 }

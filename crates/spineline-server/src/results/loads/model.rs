@@ -6,9 +6,7 @@ use axum::http::StatusCode;
 use spineline::analysis::{Analysis, LineModel, PersonalisedModel};
 use spineline::multibody::Goal;
 use spineline::personalize::FitStatus;
-use spineline_files::{
-    LoadFile, ModelFile, Simulated, SimulationError, parse_load, text_with_hash, to_text,
-};
+use spineline_files::{LoadFile, ModelFile, Simulated, parse_load, text_with_hash, to_text};
 
 use crate::PROGRAM;
 use crate::api::LineKindName;
@@ -21,8 +19,7 @@ const MAX_LOADS: usize = 100;
 
 /// Reads a load file.
 pub fn parsed(text: &str) -> Answer<LoadFile> {
-    let loads =
-        parse_load(text).map_err(|error| Failure::refused(error.to_string()).help(error.help()))?;
+    let loads = parse_load(text).map_err(|error| Failure::of(&error))?;
     check_count(&loads)?;
     Ok(loads)
 }
@@ -89,5 +86,5 @@ pub fn simulated_file(result: &StudyResult, line: LineKindName, text: &str) -> A
 pub fn simulated(model: PersonalisedModel, loads: LoadFile) -> Answer<Simulated> {
     let mut go_on = |_, _: &_| ControlFlow::Continue(());
     Simulated::of(model, loads, Goal::FullLoad, None, Vec::new(), &mut go_on)
-        .map_err(|error: SimulationError| Failure::refused(error.to_string()).help(error.help()))
+        .map_err(|error| Failure::of(&error))
 }

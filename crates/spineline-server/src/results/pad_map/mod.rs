@@ -65,10 +65,7 @@ async fn compute_pad_map(
     let model = computed(move || personalised_model(&of, line)).await??;
     let others = LoadFile::new(request.beside.iter().map(|load| load.0.clone()).collect());
     check_count(&others)?;
-    let others = others
-        .place(&model)
-        .map_err(|error| Failure::refused(error.to_string()).help(error.help()))?
-        .loading;
+    let others = others.place(&model).map_err(|error| Failure::of(&error))?.loading;
     let trials = PadTrial::all(model.levels.len(), request.largest_force, STEPS);
     let asked = trials.len() as u64;
     let work = PadMapWork { line, request, others, model, trials };
