@@ -80,5 +80,5 @@ pub fn analyze_case(
             path.display()
         )));
     }
-    analyze(case, options).map_err(|error| Failure::input(path.display(), &error, error.help()))
+    analyze(case, options).map_err(|error| Failure::of(path.display(), &error))
 }

@@ -68,7 +68,7 @@ pub fn monte_carlo<'a>(
     asked: &Replicates,
 ) -> Result<MonteCarlo<'a>, Failure> {
     MonteCarlo::new(case, nominal, asked.noise, asked.seed)
-        .map_err(|error| Failure::input(&case.id, &error, error.help()))
+        .map_err(|error| Failure::of(&case.id, &error))
 }
 
 /// Computes replicates on all threads and adds them in their order, so that the bytes are the same for any number of threads.

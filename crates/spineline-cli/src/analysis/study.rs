@@ -86,6 +86,6 @@ fn refusal(path: &Path, error: CaseError<Failure>) -> Failure {
         CaseError::File(error) => Failure::file(path, &error),
         CaseError::Picture(failure) => failure,
         CaseError::Name(error) => Failure::usage(format!("{error}; {}", error.help())),
-        other => Failure::input(path.display(), &other, other.help()),
+        other => Failure::of(path.display(), &other),
     }
 }

@@ -164,9 +164,8 @@ const FRONTAL: &str = "only films from the front or from behind";
 fn decoded(decoder: &Decoder, path: &Path) -> Result<(FilmFile, String), Failure> {
     let bytes = film_bytes(path)?;
     let sha256 = sha256_hex(&bytes);
-    let failed =
-        |error: spineline_films::FilmError| Failure::input(path.display(), &error, error.help());
-    Ok((decoder.decode(bytes).map_err(failed)?, sha256))
+    let film = decoder.decode(bytes).map_err(|error| Failure::of(path.display(), &error))?;
+    Ok((film, sha256))
 }
 
 /// The landmarks that the networks find.

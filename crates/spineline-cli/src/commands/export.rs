@@ -138,7 +138,7 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     outputs.file(&args.out)?;
     let model = read_model(&args.file)?.model;
     let text = export(&model, format, &generator())
-        .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
+        .map_err(|error| Failure::of(args.file.display(), &error))?;
     outputs.of_case(&model.case_id);
     outputs.write(&args.out, text)?;
     outputs.commit_and_say().map(|()| Ending::Done)
@@ -167,7 +167,7 @@ fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
         }
     };
     let files = export_landmarks(&case, args.posture, target)
-        .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
+        .map_err(|error| Failure::of(args.file.display(), &error))?;
     for part in target.left_out(&case) {
         say(format!("note: this format has no place for {part}; the case keeps them"));
     }
@@ -178,8 +178,7 @@ fn lateral_landmarks(args: &ExportArgs, case: &Case) -> Result<Ending, Failure> 
     if args.posture.is_some() {
         return Err(Failure::usage("--posture is for frontal films only"));
     }
-    let file = export_lateral(case)
-        .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
+    let file = export_lateral(case).map_err(|error| Failure::of(args.file.display(), &error))?;
     write_landmarks(args, case, &[file])
 }
 
@@ -238,7 +237,7 @@ fn read_sources(
         if let Some(name) = file.source(film.posture).and_then(|source| source.file) {
             // `CaseFile::into_case` refuses a name in another folder.
             let source = read_source(&folder.join(name))
-                .map_err(|error| Failure::input(args.file.display(), &error, error.help()))?;
+                .map_err(|error| Failure::of(args.file.display(), &error))?;
             sources.insert(film.posture, source);
         }
     }

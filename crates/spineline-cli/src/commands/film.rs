@@ -66,7 +66,7 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
         let film = match decoder.decode(film_bytes(path)?) {
             Ok(film) => film,
             Err(error) => {
-                say(&Failure::input(path.display(), &error, error.help()));
+                say(&Failure::of(path.display(), &error));
                 ending = Ending::BadInput;
                 continue;
             }

@@ -5,6 +5,7 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::process::ExitCode;
 
+use spineline::fault::Remedy;
 use spineline_films::intake::IntakeError;
 use spineline_landmarks::LandmarkError;
 use spineline_report::terminal::Lines;
@@ -98,6 +99,11 @@ impl Failure {
         Self::files(format!("{place}: {error}"), help)
     }
 
+    /// The same, by an error with its remedy.
+    pub fn of(place: impl fmt::Display, error: &impl Remedy) -> Self {
+        Self::input(place, error, error.help())
+    }
+
     /// An output could not be written.
     pub fn write(place: &str, error: &io::Error) -> Self {
         let what = format!("{place} could not be written: {error}");
@@ -125,7 +131,7 @@ impl Failure {
     pub fn landmarks(path: &Path, error: &LandmarkError) -> Self {
         match error {
             LandmarkError::File(error) => Self::file(path, error),
-            _ => Self::input(path.display(), error, error.help()),
+            _ => Self::of(path.display(), error),
         }
     }
 

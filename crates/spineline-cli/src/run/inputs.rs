@@ -24,7 +24,7 @@ const ANALYSIS: &str = "spineline-analysis";
 /// If its patient would count twice.
 pub fn count_once(known: &mut KnownPatients, place: &str, case: &Case) -> Result<(), Failure> {
     let added = known.add(PatientMarks::of(case));
-    added.map_err(|error| Failure::input(place, &error, error.help()))
+    added.map_err(|error| Failure::of(place, &error))
 }
 
 /// The case files that the given paths name, in order; a folder stands for the cases among the `.json` files in it.

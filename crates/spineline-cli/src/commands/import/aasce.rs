@@ -152,7 +152,7 @@ fn sizes_of_pictures(
         };
         let film = decoder
             .decode(film_bytes(&path)?)
-            .map_err(|error| Failure::input(path.display(), &error, error.help()))?;
+            .map_err(|error| Failure::of(path.display(), &error))?;
         sizes.insert(name.clone(), (film.columns, film.rows));
     }
     bar.finish_and_clear();

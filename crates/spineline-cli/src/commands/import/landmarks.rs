@@ -177,9 +177,7 @@ pub fn read_lateral(
         readings.extend(found);
         let mut warnings = Warnings::default();
         let marked = film.lateral(readings.clone());
-        marked
-            .measure(&mut warnings)
-            .map_err(|error| Failure::input(path.display(), &error, error.help()))?;
+        marked.measure(&mut warnings).map_err(|error| Failure::of(path.display(), &error))?;
         for warning in warnings.all() {
             say(format!("note: {}: lateral film: {}", path.display(), warning.text()));
         }
@@ -229,8 +227,5 @@ fn check_all(landmarks: &LandmarksByPosture) -> Result<(), Failure> {
     let film =
         |(&posture, landmarks): (&Posture, &FilmLandmarks)| Film::new(posture, landmarks.clone());
     let films: Vec<Film> = landmarks.iter().map(film).collect();
-    check_repeated(&films).map_err(|error| {
-        let error = Error::from(error);
-        Failure::input("the landmarks", &error, error.help())
-    })
+    check_repeated(&films).map_err(|error| Failure::of("the landmarks", &Error::from(error)))
 }

@@ -162,7 +162,7 @@ fn cleaned_film(
             retain_sex_and_age: args.keep_characteristics,
         };
         let clean = deidentify(&bytes, &options, &FilmLimits::default())
-            .map_err(|error| Failure::input(film.view, &error, error.help()))?;
+            .map_err(|error| Failure::of(film.view, &error))?;
         // Pictures without a DICOM header are encoded again.
         let kind = if found.kind == FilmKind::Dicom { FilmKind::Dicom } else { FilmKind::Png };
         (clean.bytes, kind, Some(DeidRecord::of(&clean.report)))

@@ -156,7 +156,7 @@ fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
             .iter()
             .map(|film| FilmReadings::measure(film, TiltRule::default()))
             .collect::<Result<Vec<_>, _>>();
-        let films = films.map_err(|error| Failure::input(&place, &error, error.help()))?;
+        let films = films.map_err(|error| Failure::of(&place, &error))?;
         synthetic |= case.synthetic;
         quantities.add(&case.id, &films);
         case_ids.push(case.id);

@@ -60,7 +60,7 @@ impl Outcome {
             SimulationError::Springs(text) => {
                 Failure::input(args.model.display(), text, error.help())
             }
-            _ => Failure::input(place_name.display(), &error, error.help()),
+            _ => Failure::of(place_name.display(), &error),
         })
     }
 

@@ -31,7 +31,7 @@ impl Source {
         };
         let case = CaseInput::read(path)?;
         let source = ModelSource::of(model, &case.case)
-            .map_err(|error| Failure::input(path.display(), &error, error.help()))?;
+            .map_err(|error| Failure::of(path.display(), &error))?;
         Ok(Some(Self { case, source, asked }))
     }
 
