@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
@@ -19,9 +20,8 @@ use crate::analysis_file::NumbersRecord;
 use crate::text::finite;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(title = "Spineline cohort, version 1"))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "Spineline cohort, version 1")]
 pub struct CohortFile {
     format: String,
     version: u32,
@@ -73,8 +73,7 @@ pub struct CohortFile {
 }
 
 /// Curves, rotations of segments, and the two estimates of the least-rotating segments.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct MovementRecord {
     curve_residual_mm: SampleRecord,
     curve_residual_deg: SampleRecord,
@@ -91,8 +90,7 @@ struct MovementRecord {
 }
 
 /// Inflections against MMS_Mean as estimates of the least-rotating segments.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct EstimatesRecord {
     /// `distance_segments` or `rotation_deg`.
     quantity: &'static str,
@@ -109,8 +107,7 @@ struct EstimatesRecord {
 }
 
 /// How the tests of a single force along a line ended.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct OutcomesRecord {
     /// By patient with a model of the line, all bends together.
     patients: OutcomeCounts,
@@ -118,8 +115,7 @@ struct OutcomesRecord {
     bends: OutcomeCounts,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct ErrorsRecord {
     line: LineKind,
     role: FilmRole,
@@ -130,8 +126,7 @@ struct ErrorsRecord {
     ferguson_deg: SampleRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct SampleRecord {
     patients: usize,
     /// Of one mean per patient.
@@ -146,8 +141,7 @@ struct SampleRecord {
 }
 
 /// Patients whose models have the same vertebrae.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct ChainRecord {
     base: Level,
     top: Level,
@@ -155,8 +149,7 @@ struct ChainRecord {
 }
 
 /// Two lines on the films that both could simulate. Differences are first minus second.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct TestRecord {
     lines: [LineKind; 2],
     role: FilmRole,
@@ -190,8 +183,7 @@ struct TestRecord {
 }
 
 /// A pattern of joint rotations that predicts films from T2 alone.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct BaselineRecord {
     baseline: Baseline,
     /// `left_out_bend` or `held_out`.
@@ -201,8 +193,7 @@ struct BaselineRecord {
 }
 
 /// A line that predicts films from T2's location and tilt.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct LineWithTiltRecord {
     line: LineKind,
     /// `left_out_bend` or `held_out`.
@@ -212,8 +203,7 @@ struct LineWithTiltRecord {
 }
 
 /// A line, or another load and base, against a baseline, on the films that both predict.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct BaselineTestRecord {
     /// Name of the line, or of the load and base.
     model: String,
@@ -232,8 +222,7 @@ struct BaselineTestRecord {
     outcome: ComparisonOutcome,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct PairedRecord {
     n: usize,
     t: f64,

@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use memchr::memmem::find_iter;
+use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -23,9 +24,8 @@ const OPEN: &[u8; DIGITS] = &[b'0'; DIGITS];
 const BETWEEN: usize = 4;
 
 /// The place of the hash of a file in its JSON. It is written open, and a hash that is read is not kept: it belongs to that file alone.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(with = "String"))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema)]
+#[schemars(with = "String")]
 pub(crate) struct ContentHash;
 
 impl Serialize for ContentHash {

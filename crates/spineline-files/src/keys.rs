@@ -1,9 +1,11 @@
 //! Names in files.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::marker::PhantomData;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use spineline::anatomy::Level;
@@ -24,6 +26,16 @@ impl<'de> Deserialize<'de> for JointKey {
         let (below, above) = text.split_once('/').unwrap_or((&text, ""));
         let level = |name: &str| name.parse().map_err(D::Error::custom);
         Ok(Self(level(below)?, level(above)?))
+    }
+}
+
+impl JsonSchema for JointKey {
+    fn schema_name() -> Cow<'static, str> {
+        "Joint".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "string", "description": "Lower and upper vertebra, such as T12/T11" })
     }
 }
 
@@ -56,6 +68,23 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for ByLevel<T> {
         }
 
         deserializer.deserialize_map(Levels(PhantomData))
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for ByLevel<T> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("ByLevel_{}", T::schema_name()).into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let value = generator.subschema_for::<T>();
+        let names = Level::ALL.map(Level::name);
+        json_schema!({
+            "type": "object",
+            "propertyNames": { "enum": names },
+            "additionalProperties": value,
+            "description": "Vertebrae by name, each at most once"
+        })
     }
 }
 

@@ -1,3 +1,4 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::LineKind;
 use spineline::analysis::{
@@ -22,10 +23,9 @@ const AXES_TOLERANCE: f64 = 1e-6;
 
 /// A personalised model alone: vertebrae, joints, springs, and the loads that were found. `G`: x anterior, y left, z
 /// cranial, origin at L4's midpoint; mm. Forces and springs are in N and N·mm/rad where `absolute`, else relative.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(test, schemars(title = "Spineline model, version 1"))]
+#[schemars(title = "Spineline model, version 1")]
 pub struct ModelFile {
     /// `spineline-model`.
     format: String,
@@ -66,8 +66,7 @@ pub struct ModelFile {
 }
 
 /// Between which vertebrae a curve is measured, chosen on the erect film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct RegionRecord {
     region: Region,
@@ -86,8 +85,7 @@ struct RegionRecord {
     endplate_difference_deg: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct VertebraRecord {
     level: Level,
@@ -105,8 +103,7 @@ struct VertebraRecord {
     width_mm: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct JointRecord {
     inferior: Level,

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashSet};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::FileError;
@@ -23,8 +24,7 @@ pub struct ProgramRun {
 }
 
 /// A file that was read, and which bytes it had.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 pub struct InputFile {
     /// Its name without its folder, which may carry a name of a person.
     pub name: String,
@@ -72,8 +72,7 @@ impl FilmOrigin {
 /// Everything on which an output depends, and the time of its making.
 ///
 /// The options name the gauge, the order rule and, joint by joint, the source of the stiffness.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Provenance {
     /// Program and its version.
     program: String,
@@ -110,8 +109,7 @@ pub struct Provenance {
     content_sha256: Option<ContentHash>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct ReplicatesRecord {
     pub count: u64,
     /// Deviation of a landmark in pixels; `null` for the case's own readings.
@@ -119,8 +117,7 @@ pub(crate) struct ReplicatesRecord {
 }
 
 /// The options of an analysis, each by its name: a value as the command line takes it, or the content of a file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(crate) struct OptionsRecord {
     /// `null` where no value is given.
     #[serde(flatten)]
@@ -256,9 +253,8 @@ pub fn parse_provenance(text: &str) -> Result<ProvenanceFile, FileError> {
 }
 
 /// Provenance of files without a place for it, as a file beside them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(title = "Spineline provenance, version 1"))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "Spineline provenance, version 1")]
 pub struct ProvenanceFile {
     format: String,
     version: u32,

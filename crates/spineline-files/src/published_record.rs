@@ -1,9 +1,9 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::{PublishedNumbers, SourceCheck};
 
 /// Published numbers of a typical spine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PublishedRecord {
     /// The numbers, and of which vertebrae.
     numbers: String,

@@ -1,12 +1,12 @@
 //! A case without a result, as it stands among analyses and in the file of a cohort.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::cohort::RefusedCase;
 
 /// An item of a list of analyses that stands for a case without a result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(title = "Spineline refused case, version 1"))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "Spineline refused case, version 1")]
 pub struct RefusedFile {
     format: String,
     version: u32,

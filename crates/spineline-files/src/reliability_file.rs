@@ -1,5 +1,6 @@
 //! Reliability of readings, as a file and as a part of an analysis file.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
@@ -8,9 +9,8 @@ use spineline::reliability::{
 use crate::Provenance;
 
 /// Reliability and error of readings. Lengths in the unit of their quantity, angles in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(title = "Spineline reliability, version 1"))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "Spineline reliability, version 1")]
 pub struct ReliabilityFile {
     format: String,
     version: u32,
@@ -25,8 +25,7 @@ pub struct ReliabilityFile {
 }
 
 /// One quantity in all designs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct QuantityRecord {
     quantity: String,
     unit: String,
@@ -35,8 +34,7 @@ pub(crate) struct QuantityRecord {
     designs: Vec<DesignRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct DesignRecord {
     /// `inter_observer_means`, `inter_observer_single` or `intra_observer`.
     design: String,
@@ -56,8 +54,7 @@ struct DesignRecord {
     remarks: Vec<ReasonRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct StatisticRecord {
     statistic: String,
     /// Symbol, model, definition and unit in words.
@@ -76,8 +73,7 @@ struct StatisticRecord {
     interval_undefined: Option<ReasonRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct BlandAltmanRecord {
     /// Differences are the second minus the first.
     raters: [String; 2],
@@ -90,8 +86,7 @@ struct BlandAltmanRecord {
     interval_undefined: Option<ReasonRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct ReasonRecord {
     code: String,
     message: String,

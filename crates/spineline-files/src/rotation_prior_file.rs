@@ -1,3 +1,4 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::cohort::LearnedRotations;
 use spineline::evaluate::RotationPrior;
@@ -12,10 +13,9 @@ const FORMAT: &str = "spineline-rotation-prior";
 const VERSION: u32 = 1;
 
 /// The distribution of joint rotations of bends, learned from patients, with what it was learned from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(test, schemars(title = "Spineline prior of joint rotations, version 1"))]
+#[schemars(title = "Spineline prior of joint rotations, version 1")]
 pub struct RotationPriorFile {
     /// `spineline-rotation-prior`.
     format: String,
@@ -35,8 +35,7 @@ pub struct RotationPriorFile {
 }
 
 /// Mean location errors over patients, each predicted from others, in mm.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LeftOutRecord {
     /// Patients who were predicted.

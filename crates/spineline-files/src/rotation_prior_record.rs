@@ -1,6 +1,7 @@
 //! A distribution of joint rotations in files.
 
 use nalgebra::DMatrix;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::{Level, Levels};
 use spineline::evaluate::{PriorSource, RotationPrior};
@@ -10,8 +11,7 @@ use crate::FileError;
 use crate::stiffness_file::border;
 
 /// A normal distribution of the joint rotations of a bend to the right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RotationPriorRecord {
     /// The lowest vertebra.

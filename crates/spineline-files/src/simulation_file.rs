@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::anatomy::{Level, Region};
 use spineline::multibody::{Deformed, Goal, PathPoint, Timing};
@@ -14,9 +15,8 @@ use crate::{AppliedLoad, Provenance, Simulated, SimulationWarning};
 /// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
 /// convex to the left. Numbers have ten significant digits.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(title = "Spineline simulation, version 1"))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "Spineline simulation, version 1")]
 pub struct SimulationFile {
     /// `spineline-simulation`.
     format: String,
@@ -55,8 +55,7 @@ pub struct SimulationFile {
     uncertainty: Option<SimulationUncertainty>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum GoalRecord {
     /// The loads as they are given: a factor of one.
@@ -65,8 +64,7 @@ enum GoalRecord {
     LateralTilt { lateral_tilt_right_deg: f64 },
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2 against L4's axis; positive to the patient's right.
     lateral_tilt_right_deg: f64,
@@ -78,8 +76,7 @@ struct AnglesRecord {
     ferguson_deg: BTreeMap<Region, f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct EquilibriumRecord {
     /// `along` or `against` the loads.
     direction: String,
@@ -105,8 +102,7 @@ struct EquilibriumRecord {
     angles: AnglesRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct SpringForceRecord {
     /// Which load, from 1.
     load: usize,
@@ -116,8 +112,7 @@ struct SpringForceRecord {
     force_n: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct RodReactionRecord {
     /// Which load, from 1.
     load: usize,
@@ -129,8 +124,7 @@ struct RodReactionRecord {
     moment_nmm: [f64; 3],
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct EventRecord {
     /// `limit_point` or `branch_point`.
     kind: String,
@@ -140,8 +134,7 @@ struct EventRecord {
     arc_rad: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct PathRecord {
     direction: String,
     /// Which loads are varied here.

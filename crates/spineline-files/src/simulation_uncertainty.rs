@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::anatomy::{Posture, Region};
 use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
@@ -9,8 +10,7 @@ use crate::analysis_file::NoiseRecord;
 /// Results of replicates with perturbed landmarks under the same loads. The intervals cover landmark noise and the scales of the
 /// films against the erect one; they do not cover the errors of the model, of the loads and of the erect film's scale, and no bias
 /// that all observers share.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct SimulationUncertainty {
     /// Replicates requested.
     replicates: u64,
@@ -27,8 +27,7 @@ pub(crate) struct SimulationUncertainty {
 }
 
 /// Distribution of one number.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct LoadedSpreadRecord {
     /// `cobb`, `tilt_range`, `ferguson`, `lateral_tilt`, `top_tilt`, `top_offset`, `coronal_balance` or `factor`. Angles of curves are
     /// positive where convex to the left, tilts to the right, distances to the left.

@@ -1,3 +1,4 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Level;
 use spineline::multibody::{JointStiffness, StiffnessLibrary};
@@ -10,10 +11,9 @@ const FORMAT: &str = "spineline-stiffness";
 const VERSION: u32 = 1;
 
 /// The springs of the 14 joints before personalisation, each with its source.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(test, schemars(title = "Spineline stiffness table, version 1"))]
+#[schemars(title = "Spineline stiffness table, version 1")]
 pub struct StiffnessFile {
     /// `spineline-stiffness`.
     format: String,
@@ -24,8 +24,7 @@ pub struct StiffnessFile {
 }
 
 /// Rotational stiffness about the inferior vertebra's axes, in N·m per radian.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct JointRow {
     inferior: Level,

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::anatomy::{Level, Levels, Region};
 use spineline::evaluate::Band;
@@ -10,8 +11,7 @@ use spineline::spatial::Angle;
 use super::points::by_level;
 
 /// How far the measured film can differ from the predicted one, in 95 % of films.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct BandRecord {
     /// Radius about the predicted location of every vertebra above the base: for one vertebra.
     radius_mm: BTreeMap<Level, f64>,

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::action::LineKind;
 use spineline::analysis::{
@@ -16,8 +17,7 @@ use super::model::ModelRecord;
 use super::posture::ScaleRecord;
 
 /// Every line on the films on which it has a result, every bend left out once.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct ComparisonRecord {
     /// Whether all lines were fitted to the same data. A free line needs the whole shape also where the others are fitted to
     /// Ferguson angles.
@@ -45,8 +45,7 @@ pub(super) struct ComparisonRecord {
 
 /// A model beside the prediction without mechanics with the smallest error on the films of a role: of those that know T2's tilt, or of
 /// those that do not, each beside the models that know as much.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct AgainstRecord {
     /// Name of the line, or of the load and base.
     model: String,
@@ -59,8 +58,7 @@ struct AgainstRecord {
     difference_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct LineRecord {
     /// Data of the fit: `shape` or `ferguson`.
     fitted_to: String,
@@ -72,8 +70,7 @@ struct LineRecord {
 }
 
 /// Numbers that a model takes from films.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct NumbersRecord {
     /// Free stiffness multipliers: one less than there are, where only ratios are identified.
     multipliers: usize,
@@ -87,8 +84,7 @@ pub(crate) struct NumbersRecord {
     per_predicted_film: usize,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct FilmRecord {
     posture: Posture,
     /// `fitted`, `left_out_bend` or `held_out`.
@@ -107,8 +103,7 @@ struct FilmRecord {
 }
 
 /// A film as a pattern of joint rotations without mechanics predicts it, from T2 alone.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct BaselineRecord {
     /// `converged` or how else the fit to T2 ended.
     status: String,
@@ -119,8 +114,7 @@ struct BaselineRecord {
     location_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct CompatibilityRecord {
     /// Outcome of all bends for the line.
     outcome: TestOutcome,
@@ -131,8 +125,7 @@ struct CompatibilityRecord {
     without_force: Vec<Posture>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct BendRecord {
     posture: Posture,
     /// Outcome of the bend for the line. Joints alone can reject a line, and do not keep one.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::anatomy::{Levels, Posture};
 use spineline::evaluate::Band;
@@ -13,8 +14,7 @@ use super::posture::ScaleRecord;
 use crate::text::finite;
 
 /// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct HypothesisRecord {
     /// How the fit to all bends ended; `beyond_human_range` where a fitted film has a shape that no human spine can have.
     status: String,
@@ -38,8 +38,7 @@ pub(super) struct HypothesisRecord {
     beyond_human_range: BTreeMap<String, Vec<Posture>>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct PredictionRecord {
     posture: Posture,
     /// `fitted`; `held_out` (neutral, traction); `left_out` (a bend by the stiffness of the other, load by T2's place);

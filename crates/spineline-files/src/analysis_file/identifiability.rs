@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::multibody::JointGroups;
 use spineline::personalize::{
@@ -11,8 +12,7 @@ use crate::text::finite;
 
 /// Identifiability of a model's multipliers from the bending films, in natural logarithms, at the scales of the films that were
 /// found before the fit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct IdentifiabilityRecord {
     /// How often `interval_95` holds the true mean stiffness.
     interval_coverage: String,
@@ -28,8 +28,7 @@ pub(super) struct IdentifiabilityRecord {
     degrees_of_freedom: usize,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct InformationRecord {
     /// `interval`, `only_lower`, `only_upper`, `not_identified` or `unknown`, by `interval_95`; `disputed` where the multiplier lies outside of it and differs from
     /// `stiffness` by more than a factor of 1.5.
@@ -49,16 +48,14 @@ struct InformationRecord {
 }
 
 /// The best fit with this multiplier held at one value after another.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct ProfileRecord {
     log_multiplier: Vec<f64>,
     /// Rise of the sum of squares, over `variance_factor`; the interval ends at 3.84.
     rise: Vec<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct DirectionRecord {
     /// Its part in every multiplier's logarithm.
     log_multipliers: BTreeMap<String, f64>,

@@ -13,6 +13,7 @@ mod uncertainty;
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
@@ -43,9 +44,8 @@ const VERSION: u32 = 1;
 /// The result of an analysis, with all that is needed to repeat it. Lengths in mm of the films' plane, angles in degrees,
 /// frontal points `[y, z]` with y
 /// to the patient's left and z cranial; positive angles tilt to the patient's right.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[cfg_attr(test, schemars(title = "Spineline analysis, version 1"))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "Spineline analysis, version 1")]
 pub struct AnalysisFile {
     format: String,
     version: u32,
@@ -89,8 +89,7 @@ pub struct AnalysisFile {
     case: CaseFile,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct ChainRecord {
     /// Number of segments on the erect curve: the paper's n.
     segments: usize,
@@ -102,8 +101,7 @@ struct ChainRecord {
     difference: u32,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct InflectionRecord {
     /// Segment of the chain, from 0.
     segment: usize,
@@ -125,15 +123,13 @@ struct InflectionRecord {
     interval_95_between: Option<[Level; 2]>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct TurnRecord {
     /// Positive where the spine turns to the patient's right as it rises.
     turn_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct ClinicalRecord {
     /// Lenke's curve type as far as frontal films determine it.
     lenke_type: Option<u8>,
@@ -156,8 +152,7 @@ impl ClinicalRecord {
 }
 
 /// The balance of the spine over the pelvis on the erect film. Distances are from the central sacral vertical line.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct BalanceRecord {
     /// Landmark that stands for the sacrum: `iliac_crests`, `l5` or `base`.
     reference: String,
@@ -189,8 +184,7 @@ impl BalanceRecord {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct ClinicalCurveRecord {
     /// Lower and upper end vertebra on the erect film.
     ends: [Level; 2],
@@ -213,8 +207,7 @@ struct ClinicalCurveRecord {
     flexibility: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct WarningRecord {
     code: WarningCode,
     step: Step,

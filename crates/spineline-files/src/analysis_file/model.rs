@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, LineModel};
@@ -14,8 +15,7 @@ use super::points::{by_level, point};
 use super::posture::ScaleRecord;
 use crate::text::finite;
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct ModelRecord {
     /// Lateral stiffness multipliers by region, or by joint; under `geometric_mean` only their ratios are meaningful.
     multipliers: BTreeMap<String, f64>,
@@ -32,8 +32,7 @@ pub(super) struct ModelRecord {
     postures: BTreeMap<Posture, SimulationRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct FitRecord {
     /// `converged`, `iteration_limit` or `not_evaluable`.
     status: String,
@@ -46,8 +45,7 @@ struct FitRecord {
     singular_values: Vec<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct SimulationRecord {
     /// Whether the stiffness was fitted to this film; else it was held out.
     fitted: bool,
@@ -81,8 +79,7 @@ struct SimulationRecord {
     contradicted_joints: Vec<ContradictedRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct LineRecord {
     point_mm: [f64; 2],
     direction: [f64; 2],
@@ -92,8 +89,7 @@ struct LineRecord {
     depth_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct AlternativeRecord {
     /// As `force` of the simulation.
     #[serde(rename = "force")]
@@ -101,15 +97,13 @@ struct AlternativeRecord {
     ferguson_rms_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct LocationErrorRecord {
     mean: f64,
     levels: BTreeMap<Level, f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct ContradictedRecord {
     inferior: Level,
     superior: Level,

@@ -1,6 +1,7 @@
 use spineline::anatomy::Level;
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::analysis::{BestFitLine, FilmMovement, LineComparison};
 use spineline::curve::CurveFit;
@@ -15,8 +16,7 @@ use spineline::spatial::{Angle, Frontal};
 use super::points::{by_level, point_mm, point_px};
 use crate::text::finite;
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct PostureRecord {
     lengths: LengthsRecord,
     curve: CurveRecord,
@@ -58,8 +58,7 @@ pub(super) struct PostureRecord {
 }
 
 /// Scale of a film's lengths. An error of scale changes all of them by the same factor, and no angle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct LengthsRecord {
     /// `patient`, `detector`, `unknown` (millimetres of an unknown plane) or `pixels`.
     plane: String,
@@ -76,8 +75,7 @@ struct LengthsRecord {
 }
 
 /// The length of the spine on a film over its length on the erect film. Locations of the film are divided by `scale`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct FilmLengthRecord {
     /// From the locations alone.
     measured: f64,
@@ -88,8 +86,7 @@ struct FilmLengthRecord {
 }
 
 /// A film's scale against the erect film.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct ScaleRecord {
     scale: f64,
     /// Its 95 % interval; absent where the scale is fixed.
@@ -105,8 +102,7 @@ impl From<FilmScale> for ScaleRecord {
 }
 
 /// From what a vertebra was interpolated, and its standard deviations.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct InterpolatedRecord {
     /// The next marked vertebrae below and above.
     between: [Level; 2],
@@ -116,8 +112,7 @@ struct InterpolatedRecord {
     tilt_sd_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct CurveRecord {
     order: usize,
     /// `graph` (y of z) or `parametric`.
@@ -130,8 +125,7 @@ struct CurveRecord {
 }
 
 /// Standard deviation of a measured value.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct NoiseRecord {
     location_mm: Option<f64>,
     location_px: Option<f64>,
@@ -140,8 +134,7 @@ struct NoiseRecord {
     measured: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct EstimateRecord {
     segment: usize,
     least_segment: usize,
@@ -151,8 +144,7 @@ struct EstimateRecord {
 }
 
 /// The line of best fit to the film's rotations.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct BestFitLineRecord {
     point_mm: [f64; 2],
     /// Cranial.
@@ -169,8 +161,7 @@ struct BestFitLineRecord {
     joint_log_sd: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct CrossingRecord {
     z_mm: f64,
     /// To the patient's left.
@@ -179,8 +170,7 @@ struct CrossingRecord {
     interval_95_mm: Option<[f64; 2]>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct LineComparisonRecord {
     angle_deg: f64,
     /// From the middle of the two inflections, or from the point of a given line nearest to it.

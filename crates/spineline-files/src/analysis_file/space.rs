@@ -3,6 +3,7 @@
 use spineline::anatomy::Level;
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::analysis::{Analysis, TemplateError};
 use spineline::clinical::SpatialNumber;
@@ -12,8 +13,7 @@ use spineline::measure::{
 use spineline::spatial::Angle;
 
 /// The erect spine from the erect and the lateral film together. `2d` is as a film shows it, `3d` is in space.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct SpaceRecord {
     alignment: AlignmentRecord,
     /// Standard deviation of a coordinate of a corner on the lateral film; absent where the erect film has no spacing.
@@ -30,8 +30,7 @@ pub(super) struct SpaceRecord {
 }
 
 /// The profile of a population less the measured one, over the vertebrae of the model that the lateral film shows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct TemplateRecord {
     /// Joints between two such vertebrae.
     joints: usize,
@@ -58,8 +57,7 @@ impl TemplateRecord {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct MeasureRecord {
     /// Such as `kyphosis_t5_t12_axes`, `curve_largest` or `spinal_length`.
     quantity: String,
@@ -93,8 +91,7 @@ impl MeasureRecord {
 }
 
 /// The lateral film against the erect one, from the heights of the vertebrae on both.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct AlignmentRecord {
     /// Whether both films were exposed together, so that nothing but a missing scale was estimated.
     simultaneous: bool,
@@ -112,8 +109,7 @@ struct AlignmentRecord {
 }
 
 /// One vertebra by the line through the centres of both endplates.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct VertebraRecord {
     /// From the lowest vertebra on both films: anterior, left, cranial by the vertical of the films; absent where the erect film has no
     /// spacing.
@@ -186,8 +182,7 @@ impl VertebraRecord {
 }
 
 /// Axial rotation of a vertebra from its pedicles on the erect film.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct AxialRecord {
     /// After Stokes; positive where its front turns to the patient's left.
     axial_3d_deg: f64,

@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
@@ -7,8 +8,7 @@ use spineline::spatial::Angle;
 use spineline::uncertainty::{FilmNoise, QuantitySpread, Uncertainty, VertebraNoise};
 
 /// Uncertainty of every number from landmark noise: Monte Carlo replicates with perturbed landmarks.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(super) struct UncertaintyRecord {
     /// Replicates requested.
     replicates: u64,
@@ -24,8 +24,7 @@ pub(super) struct UncertaintyRecord {
 }
 
 /// Standard deviation of one reading of a film.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub(crate) struct NoiseRecord {
     /// `readings` (their standard deviation), `assumed` (no repeated reading) or `given`.
     source: String,
@@ -39,8 +38,7 @@ pub(crate) struct NoiseRecord {
     tilt_sd_deg: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct FailureRecord {
     /// Of the error that stopped an analysis, or `fit_not_converged` or `force_not_found`.
     code: String,
@@ -50,8 +48,7 @@ struct FailureRecord {
 }
 
 /// Distribution of one number.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct SpreadRecord {
     /// Its kind; the keys after `unit` say which one.
     quantity: String,

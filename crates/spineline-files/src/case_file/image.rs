@@ -1,5 +1,6 @@
 //! The picture of a film: size, spacing, sides and file.
 
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -10,8 +11,7 @@ use crate::FileError;
 use crate::digest::is_sha256;
 use crate::json::parse_value;
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImageRecord {
     columns: u32,
@@ -48,8 +48,7 @@ pub(super) struct ImageRecord {
 }
 
 /// The scale of this picture is found beside the erect film, so the plane of its spacing does not matter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LateralImageRecord {
     columns: u32,

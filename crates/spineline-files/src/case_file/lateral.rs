@@ -1,5 +1,6 @@
 //! The lateral film of a case: with the erect film it gives the sagittal profile.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::measure::{Corners, LateralFilm, Reading, ReadingId};
 use spineline::spatial::Pixel;
@@ -9,8 +10,7 @@ use crate::FileError;
 use crate::keys::ByLevel;
 
 /// A lateral film of the standing patient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LateralRecord {
     image: LateralImageRecord,
@@ -22,20 +22,18 @@ pub(super) struct LateralRecord {
     readings: Vec<LateralReadingRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LateralReadingRecord {
     observer: String,
     /// Number of the repeat, from 1.
-    #[cfg_attr(test, schemars(range(min = 1)))]
+    #[schemars(range(min = 1))]
     repeat: u32,
     vertebrae: ByLevel<LateralVertebraRecord>,
 }
 
 /// Four corners of a vertebra.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LateralVertebraRecord {
     superior_anterior: Pixel,

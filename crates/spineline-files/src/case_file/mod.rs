@@ -4,6 +4,7 @@ mod image;
 mod lateral;
 mod vertebra;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{Case, Subject, is_case_id, is_lenke_class};
 use spineline::anatomy::Posture;
@@ -24,10 +25,9 @@ const FORMAT: &str = "spineline-case";
 const VERSION: u32 = 1;
 
 /// The films of one patient with their landmarks.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(test, schemars(title = "Spineline case, version 1"))]
+#[schemars(title = "Spineline case, version 1")]
 pub struct CaseFile {
     /// `spineline-case`.
     format: String,
@@ -48,8 +48,7 @@ pub struct CaseFile {
     lateral: Option<LateralRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct FilmRecord {
     posture: Posture,
@@ -73,8 +72,7 @@ struct FilmRecord {
 }
 
 /// Unit of the millimetres of locations.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LengthsRecord {
     /// Plane in which they were measured.
@@ -100,13 +98,12 @@ fn is_of_vertebrae(source: &PlacementSource) -> bool {
     *source == PlacementSource::Vertebrae
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct ReadingRecord {
     observer: String,
     /// Number of the repeat, from 1.
-    #[cfg_attr(test, schemars(range(min = 1)))]
+    #[schemars(range(min = 1))]
     repeat: u32,
     vertebrae: ByLevel<VertebraRecord>,
 }

@@ -1,5 +1,6 @@
 //! A vertebra of a frontal film.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::measure::{Corners, Origin, Placement, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -8,8 +9,7 @@ use crate::FileError;
 use crate::text::written_deg;
 
 /// Either four corners, named by the patient's sides, or a location and a tilt.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct VertebraRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -4,6 +4,7 @@ use spineline::anatomy::Level;
 mod place;
 mod words;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::multibody::Timing;
 
@@ -18,10 +19,9 @@ const VERSION: u32 = 1;
 /// Loads on a spine. `G`: x anterior, y to the patient's left, z cranial along L4's own axis, origin at L4's midpoint;
 /// names that say `in_vertebra` are in a vertebra's own axes, from its midpoint. Forces have the unit of the model:
 /// newtons where it is `absolute`, because a force was measured; else relative to the nominal stiffness. Moments are force × mm.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[cfg_attr(test, schemars(title = "Spineline load, version 1"))]
+#[schemars(title = "Spineline load, version 1")]
 pub struct LoadFile {
     /// `spineline-load`.
     format: String,
@@ -32,8 +32,7 @@ pub struct LoadFile {
 }
 
 /// One load.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum AppliedLoad {
     /// A force along a line that is fixed in space.

@@ -1,45 +1,15 @@
 //! The required schemas: made from the types, and compared with the files.
 
-use std::borrow::Cow;
 use std::path::Path;
 
 use schemars::generate::SchemaSettings;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema, schema_for};
-use spineline::anatomy::Level;
+use schemars::{JsonSchema, Schema, schema_for};
 
 use super::{SCHEMAS, schema};
-use crate::keys::{ByLevel, JointKey};
 use crate::{
     AnalysisFile, CaseFile, CohortFile, LoadFile, ModelFile, ProvenanceFile, RefusedFile,
     ReliabilityFile, RotationPriorFile, SimulationFile, StiffnessFile, to_text,
 };
-
-impl JsonSchema for JointKey {
-    fn schema_name() -> Cow<'static, str> {
-        "Joint".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "string", "description": "Lower and upper vertebra, such as T12/T11" })
-    }
-}
-
-impl<T: JsonSchema> JsonSchema for ByLevel<T> {
-    fn schema_name() -> Cow<'static, str> {
-        format!("ByLevel_{}", T::schema_name()).into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let value = generator.subschema_for::<T>();
-        let names = Level::ALL.map(Level::name);
-        json_schema!({
-            "type": "object",
-            "propertyNames": { "enum": names },
-            "additionalProperties": value,
-            "description": "Vertebrae by name, each at most once"
-        })
-    }
-}
 
 /// The schema of a file that is only written: a key is required where it is always written.
 fn written<T: JsonSchema>() -> Schema {

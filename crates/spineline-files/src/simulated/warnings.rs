@@ -1,5 +1,6 @@
 //! Warnings about a simulation.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use spineline::analysis::PersonalisedModel;
 use spineline::multibody::{BodyLoad, PathEnding};
@@ -10,8 +11,7 @@ use spineline::warning::WarningCode;
 use crate::{AppliedLoad, LoadFile, PlacedLoads};
 
 /// A warning of a simulation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SimulationWarning {
     /// Which warning it is.
     pub code: WarningCode,
