@@ -9,8 +9,8 @@ use spineline::analysis::FilmRole;
 use spineline::anatomy::Level;
 use spineline::cohort::{
     BaselineTest, ChainCount, Clustered, Cohort, ComparisonOutcome, DoubtedFilm, ErrorKind,
-    LineOutcomes, LinePairTest, MissingResult, OutcomeCounts, PairedComparison, PredictionErrors,
-    RefusedCase, RoleErrors,
+    LineOutcomes, LinePairTest, MissingResult, PairedComparison, PredictionErrors, RefusedCase,
+    RoleErrors,
 };
 use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
@@ -68,7 +68,7 @@ pub struct CohortFile {
     /// The vertebrae of the patients' models; results of different ones are not comparable.
     chains: Vec<ChainRecord>,
     /// By line that is not fitted to the films: how the tests of a single force along it ended.
-    outcomes: BTreeMap<String, OutcomesRecord>,
+    outcomes: BTreeMap<String, LineOutcomes>,
     verdict: Vec<String>,
 }
 
@@ -101,18 +101,9 @@ struct EstimatesRecord {
     /// By resampling patients.
     interval_95: Option<[f64; 2]>,
     /// Paired t over one mean per patient, two-sided.
-    patient_t: Option<PairedRecord>,
+    patient_t: Option<PairedT>,
     /// The paper's paired t, as if all values were independent.
-    pooled_t: Option<PairedRecord>,
-}
-
-/// How the tests of a single force along a line ended.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-struct OutcomesRecord {
-    /// By patient with a model of the line, all bends together.
-    patients: OutcomeCounts,
-    /// By bend: the line itself against the rotations (p < 0.05, not corrected).
-    bends: OutcomeCounts,
+    pooled_t: Option<PairedT>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -175,9 +166,9 @@ struct TestRecord {
     /// The same after Holm's correction; this is the valid one.
     holm_p: Option<f64>,
     /// Paired t over one mean per patient, two-sided.
-    patient_t: Option<PairedRecord>,
+    patient_t: Option<PairedT>,
     /// The paper's paired t, as if all values were independent.
-    pooled_t: Option<PairedRecord>,
+    pooled_t: Option<PairedT>,
     /// The line that predicts better: on films that were not fitted, beyond chance, without more numbers from them.
     predicts_better: Option<LineKind>,
 }
@@ -220,13 +211,6 @@ struct BaselineTestRecord {
     holm_p: Option<f64>,
     /// The model compared with the baseline.
     outcome: ComparisonOutcome,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-struct PairedRecord {
-    n: usize,
-    t: f64,
-    p_two_sided: f64,
 }
 
 impl CohortFile {
@@ -277,7 +261,7 @@ impl CohortFile {
                 .collect(),
             doubted_films: cohort.doubted_films.clone(),
             chains: cohort.chains.iter().map(chain).collect(),
-            outcomes: cohort.outcomes.iter().map(outcomes).collect(),
+            outcomes: cohort.outcomes.iter().map(|o| (o.kind.key().to_owned(), *o)).collect(),
             verdict: cohort.sentences(),
         }
     }
@@ -301,8 +285,8 @@ fn movement(cohort: &Cohort) -> MovementRecord {
             films,
             mean_difference: finite(found.mean_difference),
             interval_95: found.bootstrap,
-            patient_t: found.patients.map(paired),
-            pooled_t: found.pooled.map(paired),
+            patient_t: found.patients,
+            pooled_t: found.pooled,
         };
     MovementRecord {
         curve_residual_mm: sample(&cohort.rmse_mm),
@@ -315,15 +299,6 @@ fn movement(cohort: &Cohort) -> MovementRecord {
         inflection_shares: inflection.shares().map(finite),
         table_2: rows.zip(&cohort.table_2).map(test).collect(),
     }
-}
-
-fn paired(t: PairedT) -> PairedRecord {
-    PairedRecord { n: t.n, t: t.t, p_two_sided: t.p_two_sided }
-}
-
-fn outcomes(found: &LineOutcomes) -> (String, OutcomesRecord) {
-    let record = OutcomesRecord { patients: found.patients, bends: found.bends };
-    (found.kind.key().to_owned(), record)
 }
 
 fn sample(values: &Clustered) -> SampleRecord {
@@ -404,8 +379,8 @@ fn test(found: &LinePairTest) -> TestRecord {
         sign_flip_p: c.sign_flip.map(|test| test.p_two_sided),
         sign_flip_exact: c.sign_flip.map(|test| test.exact),
         holm_p: found.holm_p,
-        patient_t: c.patients.map(paired),
-        pooled_t: c.pooled.map(paired),
+        patient_t: c.patients,
+        pooled_t: c.pooled,
         predicts_better: found.predicts_better(),
     }
 }

@@ -52,13 +52,15 @@ impl OutcomeCounts {
 }
 
 /// How the bends of a cohort test a single force along a line that is not fitted to them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LineOutcomes {
     /// The line.
+    #[serde(skip)]
     pub kind: LineKind,
-    /// By patient with a model of the line: all bends together ([`crate::analysis::Compatibility::outcome`]).
+    /// By patient with a model of the line: all bends together.
     pub patients: OutcomeCounts,
-    /// By bend, one by one: the line of best fit to its rotations against the line, not corrected for many tests.
+    /// By bend, one by one: the line of best fit to its rotations against the line (p < 0.05), not corrected for many tests.
     pub bends: OutcomeCounts,
 }
 

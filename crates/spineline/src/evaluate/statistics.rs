@@ -94,17 +94,20 @@ impl Pooled {
 }
 
 /// A paired t-test of `a - b`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PairedT {
     /// Pairs.
     pub n: usize,
     /// Mean of the differences.
+    #[serde(skip)]
     pub mean_difference: f64,
     /// t statistic on n - 1 degrees of freedom.
     pub t: f64,
     /// Probability of so large a |t| if the means are equal.
     pub p_two_sided: f64,
     /// Probability of so low a t if the means are equal: small where `a` is below `b`.
+    #[serde(skip)]
     pub p_less: f64,
 }
 
