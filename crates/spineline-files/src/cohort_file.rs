@@ -28,8 +28,7 @@ pub struct CohortFile {
     /// Program that wrote it.
     generator: String,
     /// Provenance.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    provenance: Option<Provenance>,
+    provenance: Provenance,
     /// Whether any patient is synthetic.
     synthetic: bool,
     /// The given cases that are not part of the numbers.
@@ -214,7 +213,7 @@ struct BaselineTestRecord {
 }
 
 impl CohortFile {
-    /// The file of a cohort.
+    /// The file of a cohort, with its provenance.
     #[must_use]
     pub fn new(
         cohort: &Cohort,
@@ -222,6 +221,7 @@ impl CohortFile {
         refused: &[RefusedCase],
         seed: u64,
         generator: &str,
+        provenance: Provenance,
     ) -> Self {
         let compared = &cohort.compared;
         let numbers = compared.numbers.iter();
@@ -229,7 +229,7 @@ impl CohortFile {
             format: "spineline-cohort".to_owned(),
             version: 1,
             generator: generator.to_owned(),
-            provenance: None,
+            provenance,
             synthetic: cohort.synthetic,
             refused: refused.to_vec(),
             case_ids,
@@ -264,13 +264,6 @@ impl CohortFile {
             outcomes: cohort.outcomes.iter().map(|o| (o.kind.key().to_owned(), *o)).collect(),
             verdict: cohort.sentences(),
         }
-    }
-
-    /// The same file with its provenance.
-    #[must_use]
-    pub fn with_provenance(mut self, provenance: Provenance) -> Self {
-        self.provenance = Some(provenance);
-        self
     }
 }
 

@@ -142,9 +142,14 @@ pub struct StoredModel {
 }
 
 impl ModelFile {
-    /// The file of the personalised model of a line of action.
+    /// The file of the personalised model of a line of action, with its provenance.
     #[must_use]
-    pub fn new(analysis: &Analysis, line: &LineModel, generator: &str) -> Self {
+    pub fn new(
+        analysis: &Analysis,
+        line: &LineModel,
+        generator: &str,
+        provenance: Option<Provenance>,
+    ) -> Self {
         let model = analysis.personalised_model(line);
         Self {
             format: FORMAT.to_owned(),
@@ -160,17 +165,10 @@ impl ModelFile {
             loads: model.loads,
             doubts: model.doubts,
             regions: model.curves.as_deref().map(|curves| regions(curves, &model.levels)),
-            provenance: None,
+            provenance,
             case_id: model.case_id,
             synthetic: model.synthetic,
         }
-    }
-
-    /// The same file with its provenance.
-    #[must_use]
-    pub fn with_provenance(mut self, provenance: Provenance) -> Self {
-        self.provenance = Some(provenance);
-        self
     }
 }
 

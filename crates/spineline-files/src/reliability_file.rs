@@ -17,8 +17,7 @@ pub struct ReliabilityFile {
     /// Program that wrote it.
     generator: String,
     /// Provenance.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    provenance: Option<Provenance>,
+    provenance: Provenance,
     /// Whether any reading is of synthetic films.
     synthetic: bool,
     quantities: Vec<QuantityRecord>,
@@ -93,24 +92,22 @@ struct ReasonRecord {
 }
 
 impl ReliabilityFile {
-    /// The file of the results.
+    /// The file of the results, with its provenance.
     #[must_use]
-    pub fn new(quantities: &[QuantityReliability], synthetic: bool, generator: &str) -> Self {
+    pub fn new(
+        quantities: &[QuantityReliability],
+        synthetic: bool,
+        generator: &str,
+        provenance: Provenance,
+    ) -> Self {
         Self {
             format: "spineline-reliability".to_owned(),
             version: 1,
             generator: generator.to_owned(),
-            provenance: None,
+            provenance,
             synthetic,
             quantities: quantities.iter().map(QuantityRecord::new).collect(),
         }
-    }
-
-    /// The same file with its provenance.
-    #[must_use]
-    pub fn with_provenance(mut self, provenance: Provenance) -> Self {
-        self.provenance = Some(provenance);
-        self
     }
 }
 

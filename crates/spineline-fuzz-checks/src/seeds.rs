@@ -63,7 +63,7 @@ pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
     })
     .case;
     all.put("case", "lateral", to_text(&CaseFile::from_case(&in_space)));
-    let model = ModelFile::new(&analysis, &analysis.models[0], "seeds");
+    let model = ModelFile::new(&analysis, &analysis.models[0], "seeds", None);
     all.put("other_files", "model", to_text(&model));
     let provenance = Provenance::new(run(), FilmOrigin::Synthetic, Vec::new());
     let provenance = provenance.asking(&Request::default());

@@ -59,8 +59,8 @@ impl Model {
             };
             return Err(Fault::new(text, help));
         };
-        let file = ModelFile::new(found, model, &generator());
-        let file = file.with_provenance(analysis.provenance.clone());
+        let provenance = Some(analysis.provenance.clone());
+        let file = ModelFile::new(found, model, &generator(), provenance);
         parse_model_text(text_with_hash(to_text(&file)))
     }
 

@@ -295,8 +295,8 @@ fn a_stored_model_gives_the_shapes_of_the_analysis() {
     let options = AnalysisOptions::default();
     let analysis = analyze(&case, &options).expect("a phantom");
     for model in &analysis.models {
-        let stored =
-            parse_model(&to_text(&ModelFile::new(&analysis, model, "test"))).expect("our own file");
+        let stored = parse_model(&to_text(&ModelFile::new(&analysis, model, "test", None)))
+            .expect("our own file");
         let stored = stored.model;
         assert!(stored.spine == analysis.personalised_model(model).spine, "to the last bit");
         let joints = vec![0; stored.stiffness_nmm_per_rad.len()];

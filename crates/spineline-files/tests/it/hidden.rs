@@ -87,7 +87,7 @@ fn an_analysis_file_states_origins_where_a_person_did_not_click() {
 #[test]
 fn a_shorter_model_is_stored_and_carries_the_weight_of_what_is_above() {
     let analysis = analyzed(&partial());
-    let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
+    let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test", None));
     let stored = parse_model(&text).expect("our own file").model;
     assert_eq!((stored.levels.len(), stored.top()), (13, Level::T4));
     assert_eq!(stored.known_levels(), Some(analysis.movement.levels()));
@@ -104,6 +104,6 @@ fn a_shorter_model_is_stored_and_carries_the_weight_of_what_is_above() {
     };
     // Oracle: the trunk above L4 weighs the same, wherever the model ends.
     let analysis = analyzed(&whole());
-    let complete = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
+    let complete = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test", None));
     assert!((weight(&text) - weight(&complete)).abs() < 1e-9);
 }

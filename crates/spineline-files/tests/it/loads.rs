@@ -31,7 +31,7 @@ fn file(loads: &str) -> String {
 fn model_text() -> String {
     let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists");
     let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
-    to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"))
+    to_text(&ModelFile::new(&analysis, &analysis.models[0], "test", None))
 }
 
 fn model() -> PersonalisedModel {

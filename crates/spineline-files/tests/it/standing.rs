@@ -37,7 +37,7 @@ fn partly_measured() -> String {
         reading.vertebrae.retain(|level, _| ON_LATERAL.contains(level));
     }
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"))
+    to_text(&ModelFile::new(&analysis, &analysis.models[0], "test", None))
 }
 
 #[test]

@@ -39,8 +39,8 @@ impl Output for Model<'_> {
         });
         let Some((model, why)) = chosen else { return self.say_missing(analysis) };
         let is_made = self.outputs.attempt(self.path, || {
-            let file = ModelFile::new(analysis, model, &generator());
-            self.outputs.write(self.path, to_text(&file.with_provenance(run.provenance())))
+            let file = ModelFile::new(analysis, model, &generator(), Some(run.provenance()));
+            self.outputs.write(self.path, to_text(&file))
         });
         if is_made && !why.is_empty() {
             let (case, kind) = (&analysis.case_id, model.kind);

@@ -209,8 +209,10 @@ impl Output for CohortStatistics<'_> {
                 return outputs.write_table(path, table, &run.provenance());
             }
             let (ids, refused) = (run.read.ids(), &run.refused);
-            let file = CohortFile::new(together, ids, refused, BOOTSTRAP_SEED, &generator());
-            outputs.write(path, results_text(&file.with_provenance(run.provenance())))
+            let (generator, provenance) = (generator(), run.provenance());
+            let file =
+                CohortFile::new(together, ids, refused, BOOTSTRAP_SEED, &generator, provenance);
+            outputs.write(path, results_text(&file))
         });
     }
 }

@@ -68,8 +68,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     let assess = |quantity: RatedQuantity| assessed(&quantity, args.figures.is_some());
     let found: Vec<QuantityReliability> = quantities.into_iter().map(assess).collect();
     if let Some(path) = &args.json {
-        let file = ReliabilityFile::new(&found, synthetic, &generator())
-            .with_provenance(provenance.clone());
+        let file = ReliabilityFile::new(&found, synthetic, &generator(), provenance.clone());
         outputs.attempt(path, || outputs.write(path, spineline_files::results_text(&file)));
     }
     if let Some(path) = &args.csv {

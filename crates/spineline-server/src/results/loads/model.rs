@@ -61,7 +61,7 @@ pub fn fitted_model(result: &StudyResult, line: LineKindName) -> Answer<(&Analys
 /// As [`fitted_model`].
 pub fn model_text(result: &StudyResult, line: LineKindName) -> Answer<String> {
     let (analysis, model) = fitted_model(result, line)?;
-    let file = ModelFile::new(analysis, model, PROGRAM).with_provenance(provenance(analysis));
+    let file = ModelFile::new(analysis, model, PROGRAM, Some(provenance(analysis)));
     Ok(text_with_hash(to_text(&file)))
 }
 
