@@ -5,13 +5,16 @@ use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, FilmMovement};
 use spineline::anatomy::{Level, Levels};
 use spineline::measure::Outline;
-use spineline::spatial::Frontal;
+use spineline::spatial::{Angle, Frontal, Vec3};
 
 use super::panel::{Axis, HeadingKind, Panel, Ticks};
 use super::style::{BLACK, Ink, Marker, ORANGE, Shape, TICK_PX, WHITE, bold};
 
 /// The side from which one looks, said on every frontal picture.
 pub const VIEW: &str = "Seen from behind: the patient's left (L) is on the left of the picture.";
+
+/// From behind to the oblique view, towards the patient's right.
+const OBLIQUE_DEG: f64 = 35.0;
 
 /// How inflections are drawn on a spine.
 pub const INFLECTION: Marker =
@@ -37,6 +40,37 @@ pub struct Extent {
 /// A point as it is drawn: the patient's left to the left.
 pub fn drawn(point: Frontal) -> (f64, f64) {
     (-point.y_mm, point.z_mm)
+}
+
+/// The side from which one looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum View {
+    Behind,
+    Right,
+    Oblique,
+}
+
+impl View {
+    pub const ALL: [Self; 3] = [Self::Behind, Self::Right, Self::Oblique];
+
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Behind => "from behind",
+            Self::Right => "from the right",
+            Self::Oblique => "oblique, from behind right",
+        }
+    }
+
+    /// A point of `G` such that [`drawn`] puts it where this view has it.
+    pub fn flat(self, point: &Vec3) -> Frontal {
+        let (sin, cos) = Angle::from_deg(OBLIQUE_DEG).rad().sin_cos();
+        let left = match self {
+            Self::Behind => point.y,
+            Self::Right => -point.x,
+            Self::Oblique => -(point.x * sin - point.y * cos),
+        };
+        Frontal::new(left, point.z)
+    }
 }
 
 impl Extent {
@@ -255,7 +289,6 @@ pub fn extent_words(analysis: &Analysis) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use spineline::spatial::Angle;
 
     #[test]
     fn a_line_is_clipped_at_the_edges() {

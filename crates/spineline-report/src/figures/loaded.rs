@@ -8,7 +8,7 @@ use spineline::response::{ActingKind, ActingLoad, Response, acting_loads, erect_
 use spineline::spatial::{Frontal, Vec3};
 
 use super::arrows::{arrow, bar, turning};
-use super::frontal::{Extent, VIEW, drawn, fit_in_row, frontal_panel, gaps_px};
+use super::frontal::{Extent, VIEW, View, drawn, fit_in_row, frontal_panel, gaps_px};
 use super::page::Page;
 use super::panel::{HeadingKind, Panel};
 use super::style::{
@@ -59,39 +59,6 @@ pub struct LoadedSpine<'a> {
     pub load_words: &'a [String],
     /// Response of the spine.
     pub response: &'a Response,
-}
-
-/// The side from which one looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum View {
-    Behind,
-    Right,
-}
-
-impl View {
-    /// A point of `G` such that [`drawn`] puts it where this view has it.
-    fn flat(self, point: &Vec3) -> Frontal {
-        match self {
-            Self::Behind => Frontal::new(point.y, point.z),
-            Self::Right => Frontal::new(-point.x, point.z),
-        }
-    }
-
-    /// The part of a moment that turns within the picture, positive clockwise.
-    fn turn(self, moment: &Vec3) -> f64 {
-        match self {
-            Self::Behind => moment.x,
-            Self::Right => moment.y,
-        }
-    }
-
-    /// The column of a vertebra's axes that runs across the picture.
-    const fn across(self) -> usize {
-        match self {
-            Self::Behind => 1,
-            Self::Right => 0,
-        }
-    }
 }
 
 /// A spine under loads from behind and from the right, with its erect shape and the loads.
@@ -231,8 +198,7 @@ fn fill(
     acting: &[ActingLoad],
     view: View,
 ) {
-    let words = if view == View::Behind { "from behind" } else { "from the right" };
-    panel.heading(HeadingKind::Title, words);
+    panel.heading(HeadingKind::Title, view.words());
     if input.response.result().is_none() {
         let words = format!("not a result ({})", input.response.ending.key());
         for line in wrapped(&words, TICK_PX, panel.frame_px[0]) {
@@ -245,10 +211,12 @@ fn fill(
     }
     let style = shape_style(input);
     let erect = erect_shape(input.model);
+    // The axis of a vertebra that runs across the picture: its x from the right, its y from behind.
+    let across = usize::from(view == View::Behind);
     for (shape, (ink, marker)) in [(&erect, ERECT), (shape, style)] {
         let points: Vec<Frontal> = shape.midpoints_mm.iter().map(|p| view.flat(p)).collect();
         for (midpoint, axes) in shape.midpoints_mm.iter().zip(&shape.axes) {
-            let half = axes.column(view.across()) * HALF_BREADTH_MM;
+            let half = axes.column(across) * HALF_BREADTH_MM;
             let ends = [midpoint - half, midpoint + half].map(|end| drawn(view.flat(&end)));
             panel.curves.push((Ink { width_px: 1.0, ..ink }, ends.to_vec()));
         }
@@ -328,7 +296,8 @@ fn draw_load(
         }
         marks
     } else if let ActingKind::Moment(moment) = load.kind {
-        let part = view.turn(&moment);
+        // The part that turns within the picture, positive clockwise.
+        let part = if view == View::Right { moment.y } else { moment.x };
         // Moments about other axes are seen in the other view, or not at all.
         let seen = part.abs() > 0.05 * moment.norm();
         if seen { turning(MOMENT, at, part > 0.0) } else { Vec::new() }

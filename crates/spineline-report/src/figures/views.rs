@@ -3,48 +3,16 @@
 use spineline::analysis::{Analysis, LineModel};
 use spineline::multibody::{BodySize, Deformed};
 use spineline::response::erect_shape;
-use spineline::spatial::{Angle, Frontal, Vec3};
+use spineline::spatial::Vec3;
 
-use super::frontal::{Extent, extent_words, fit_in_row, frontal_panel, gaps_px};
+use super::frontal::{Extent, View, drawn, extent_words, fit_in_row, frontal_panel, gaps_px};
 use super::page::Page;
 use super::panel::{HeadingKind, Panel, Ticks};
 use super::style::{GREY, Ink, posture_style};
 use crate::document::{Space, SpaceLayer};
 
 const TALL_PX: f64 = 520.0;
-const OBLIQUE_DEG: f64 = 35.0;
 const ERECT: Ink = Ink::new(GREY, "", 1.0);
-
-/// The side from which one looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum View {
-    Behind,
-    Right,
-    Oblique,
-}
-
-impl View {
-    const ALL: [Self; 3] = [Self::Behind, Self::Right, Self::Oblique];
-
-    const fn words(self) -> &'static str {
-        match self {
-            Self::Behind => "from behind",
-            Self::Right => "from the right",
-            Self::Oblique => "oblique, from behind right",
-        }
-    }
-
-    /// To the right of the picture, and up.
-    fn place(self, point: Vec3) -> (f64, f64) {
-        let (sin, cos) = Angle::from_deg(OBLIQUE_DEG).rad().sin_cos();
-        let right = match self {
-            Self::Behind => -point.y,
-            Self::Right => point.x,
-            Self::Oblique => point.x * sin - point.y * cos,
-        };
-        (right, point.z)
-    }
-}
 
 /// One shape of the model.
 struct Shape {
@@ -73,8 +41,7 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
     }
     let extents = View::ALL.map(|view| {
         let points = shapes.iter().flat_map(|shape| shape.lines.iter().flatten());
-        // A frontal picture shows `-y` to the right.
-        Extent::of(points.map(|&point| view.place(point)).map(|(x, z)| Frontal::new(-x, z)))
+        Extent::of(points.map(|point| view.flat(point)))
     });
     // Only the first panel writes its vertical axis.
     let row_px = page.inner_px() - gaps_px(&[true, false, false]);
@@ -107,7 +74,7 @@ fn draw(panel: &mut Panel, shape: &Shape, view: View) {
     let lines: Vec<_> = shape
         .lines
         .iter()
-        .map(|line| panel.trace(shape.ink, line.iter().map(|&point| view.place(point))))
+        .map(|line| panel.trace(shape.ink, line.iter().map(|point| drawn(view.flat(point)))))
         .collect();
     panel.layer(&shape.name, lines);
 }
