@@ -9,7 +9,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{PersonalisedModel, SimulationError as CoreError};
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{Goal, LoadingError, SpringError, Timing};
-use spineline::response::{OnSignedPoint, Response, erect_shape};
+use spineline::response::{OnSignedPoint, Response, erect_shape, go_on};
 use spineline::uncertainty::AppliedLoads;
 use spineline::warning::WarningCode;
 
@@ -102,6 +102,17 @@ impl Simulated {
             .map_err(|error| SimulationError::of(error, &model))?;
         warnings.extend(warnings::warnings(&model, &loads, &placed, &response));
         Ok(Self { model, loads, placed, places, response, warnings })
+    }
+
+    /// As [`Simulated::of`], with the full loads and without an interruption.
+    ///
+    /// # Errors
+    /// [`SimulationError`].
+    pub fn at_full_load(
+        model: PersonalisedModel,
+        loads: LoadFile,
+    ) -> Result<Self, SimulationError> {
+        Self::of(model, loads, Goal::FullLoad, None, Vec::new(), &mut go_on)
     }
 
     /// The same loads and target on the models of replicates, which are fitted with this line of action.

@@ -1,9 +1,7 @@
 //! Load and simulation files: every kind is read, and errors name number, kind and vertebra.
 
-use std::ops::ControlFlow;
-
 use spineline::analysis::{AnalysisOptions, PersonalisedModel, analyze};
-use spineline::multibody::{BodyLoad, Goal, Timing};
+use spineline::multibody::{BodyLoad, Timing};
 use spineline::response::{erect_shape, measure_angles};
 use spineline::spatial::{Angle, Mat3, Vec3};
 use spineline_files::{
@@ -170,9 +168,7 @@ fn models_without_regions_and_coupled_springs_are_read() {
 fn a_simulation_file_is_read_by_its_type() {
     let loads = parse_load(&file(r#"[{"kind":"force_at_point","level":"T2","force":[0,20,0]}]"#))
         .expect("sound");
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
-    let simulated = Simulated::of(model(), loads, Goal::FullLoad, Some(2.0), vec![], &mut go_on)
-        .expect("sound loads");
+    let simulated = Simulated::at_full_load(model(), loads).expect("sound loads");
     let (text, response) = (to_text(&simulated.file("test")), &simulated.response);
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     // Full precision: the number in the file is the number of the solver.

@@ -1,12 +1,10 @@
 //! The figure of a spine under loads has labels, and shapes without a result are drawn differently.
 
-use std::ops::ControlFlow;
-
 use spineline::anatomy::Level;
 use spineline::multibody::{
     BodyLoad, GeneralStatics, Goal, Loading, PathEnding, SpineModel, Support,
 };
-use spineline::response::{Response, respond};
+use spineline::response::{Response, go_on, respond};
 use spineline::spatial::{Mat3, Vec3};
 use spineline_report::figures::{LoadedSpine, loaded_spine};
 
@@ -24,7 +22,6 @@ fn model() -> SpineModel {
 fn response(model: &SpineModel, loading: &Loading) -> Response {
     let springs = vec![Mat3::identity() * 1.5e5; 14];
     let statics = GeneralStatics::new(model, springs, Support::Free).expect("sound springs");
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
     respond(&statics, loading, Goal::FullLoad, 2.0, &mut go_on).expect("sound loads")
 }
 

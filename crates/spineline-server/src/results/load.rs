@@ -1,14 +1,12 @@
 //! Response of the personalised spine to a dragged force.
 
-use std::ops::ControlFlow;
-
 use axum::extract::State;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
 use spineline::number::fixed;
 use spineline::response::{
-    CurveChange, SpineAngles, erect_shape, largest_displacement_mm, measure_angles, respond,
+    CurveChange, SpineAngles, erect_shape, go_on, largest_displacement_mm, measure_angles, respond,
 };
 use spineline::spatial::{Vec3, vector_words};
 
@@ -111,9 +109,8 @@ fn equilibrium(
             Failure::refused(error.to_string()).help("read the notices of the model")
         })?;
     let loading = Loading::single(vertebra, BodyLoad::at_midpoint(force_n));
-    let response =
-        respond(&statics, &loading, Goal::FullLoad, 1.0, &mut |_, _| ControlFlow::Continue(()))
-            .map_err(|error| Failure::of(&error))?;
+    let response = respond(&statics, &loading, Goal::FullLoad, 1.0, &mut go_on)
+        .map_err(|error| Failure::of(&error))?;
     if let Some(result) = response.result() {
         let status_text = "Equilibrium, reached from the erect spine".to_owned();
         let deformed = result.deformed.clone();

@@ -1,7 +1,5 @@
 //! A personalised model by itself, and its response to loads.
 
-use std::ops::ControlFlow;
-
 use serde::{Deserialize, Serialize};
 
 use super::{Analysis, AxialSource, LineModel, PitchSource, Reference};
@@ -15,7 +13,7 @@ use crate::multibody::{
 };
 use crate::number::scientific;
 use crate::personalize::TestOutcome;
-use crate::response::{OnSignedPoint, Response, respond, usual_limit};
+use crate::response::{OnSignedPoint, Response, go_on, respond, usual_limit};
 use crate::spatial::{Mat3, Vec3};
 
 /// A personalised model by itself: vertebrae, joints, springs, and the loads that were found. Frame `G`: x anterior, y left, z cranial,
@@ -199,7 +197,7 @@ impl PersonalisedModel {
     /// # Errors
     /// [`SimulationError`] where the springs or the loads cannot be used. A search that finds no shape is a [`Response`] that says so.
     pub fn simulate(&self, loading: &Loading, goal: Goal) -> Result<Response, SimulationError> {
-        self.simulate_within(loading, goal, None, &mut |_, _| ControlFlow::Continue(()))
+        self.simulate_within(loading, goal, None, &mut go_on)
     }
 
     /// As [`PersonalisedModel::simulate`], up to a load factor (the usual one where `None`); the callback gets every shape and may

@@ -19,6 +19,6 @@ pub use measures::{
 };
 pub use pads::{OtherLoads, OtherLoadsError, PadEffect, PadReached, PadTrial, try_pad};
 pub use search::{
-    GoalEquilibrium, OnSignedPoint, Response, SignedPath, Verdict, largest_factor, respond,
+    GoalEquilibrium, OnSignedPoint, Response, SignedPath, Verdict, go_on, largest_factor, respond,
     usual_limit,
 };

@@ -179,6 +179,11 @@ pub fn usual_limit(model: &SpineModel, stiffness: &[Mat3], loading: &Loading, go
 /// Called for every point of a path; breaking off leaves the paths as far as they are.
 pub type OnSignedPoint<'o> = &'o mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>;
 
+/// An [`OnSignedPoint`] that never breaks off.
+pub fn go_on(_: ForceSign, _: &PathPoint) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
 /// Finds the equilibria of a spine under loads that meet a goal.
 ///
 /// For [`Goal::LateralTilt`] the paths along and against the loads are followed. `largest_factor` limits the factor of the
@@ -188,12 +193,10 @@ pub type OnSignedPoint<'o> = &'o mut dyn FnMut(ForceSign, &PathPoint) -> Control
 /// [`LoadingError`] where a load cannot be applied to this spine.
 ///
 /// ```
-/// use std::ops::ControlFlow;
-///
 /// use spineline::anatomy::SagittalProfile;
 /// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::multibody::{BodyLoad, GeneralStatics, Goal, Loading, SpineModel, Support};
-/// use spineline::response::{largest_factor, respond};
+/// use spineline::response::{go_on, largest_factor, respond};
 /// use spineline::spatial::{Angle, Mat3, Vec3};
 /// use spineline::warning::Warnings;
 /// use spineline_phantom::{Readers, Scenario, generate};
@@ -208,7 +211,7 @@ pub type OnSignedPoint<'o> = &'o mut dyn FnMut(ForceSign, &PathPoint) -> Control
 /// let loading = Loading::single(model.joints.len(), push);
 /// let goal = Goal::LateralTilt(Angle::from_deg(-20.0));
 /// let most = largest_factor(&model, &springs, &loading);
-/// let response = respond(&statics, &loading, goal, most, &mut |_, _| ControlFlow::Continue(()))?;
+/// let response = respond(&statics, &loading, goal, most, &mut go_on)?;
 /// let found = response.result().ok_or("no equilibrium")?;
 /// assert!(found.factor > 0.0);
 /// assert!((found.deformed.lateral_tilt().deg() + 20.0).abs() < 1e-6);

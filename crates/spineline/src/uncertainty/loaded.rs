@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +14,7 @@ use crate::analysis::Analysis;
 use crate::multibody::{GeneralStatics, Goal, Loading, Support};
 use crate::number::fixed;
 use crate::response::{
-    LoadedMeasure, LoadedQuantity, LoadedState, loaded_measures, respond, usual_limit,
+    LoadedMeasure, LoadedQuantity, LoadedState, go_on, loaded_measures, respond, usual_limit,
 };
 
 /// Loads on the model of one line of action, and the goal.
@@ -44,7 +43,6 @@ impl AppliedLoads<'_> {
             self.largest_factor.unwrap_or_else(|| usual_limit(spine, &springs, loading, goal));
         let statics = GeneralStatics::new(spine, springs, self.support)
             .map_err(|_| LoadedUncertainty::NO_SPRINGS)?;
-        let mut go_on = |_, _: &_| ControlFlow::Continue(());
         let response = respond(&statics, loading, goal, limit, &mut go_on)
             .map_err(|_| LoadedUncertainty::NOT_APPLICABLE)?;
         if response.result().is_none() {

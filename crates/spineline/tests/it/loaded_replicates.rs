@@ -1,7 +1,5 @@
 //! Effect of landmark noise on a personalised model under loads.
 
-use std::ops::ControlFlow;
-
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::Posture;
@@ -10,7 +8,8 @@ use spineline::multibody::{
     BodyLoad, GeneralStatics, Goal, LoadItem, Loading, Rod, Support, Timing,
 };
 use spineline::response::{
-    LoadedMeasure, LoadedQuantity, LoadedState, Response, loaded_measures, respond, usual_limit,
+    LoadedMeasure, LoadedQuantity, LoadedState, Response, go_on, loaded_measures, respond,
+    usual_limit,
 };
 use spineline::spatial::{Angle, Vec3};
 use spineline::uncertainty::{AppliedLoads, LandmarkNoise, LoadedUncertainty, MonteCarlo, Spread};
@@ -58,7 +57,6 @@ fn response(analysis: &Analysis, loads: &AppliedLoads<'_>) -> Response {
     let limit = usual_limit(&analysis.movement.spine, &springs, loads.loading, loads.goal);
     let statics =
         GeneralStatics::new(&analysis.movement.spine, springs, loads.support).expect("springs");
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
     respond(&statics, loads.loading, loads.goal, limit, &mut go_on).expect("sound loads")
 }
 

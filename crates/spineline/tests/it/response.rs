@@ -1,7 +1,5 @@
 //! Which shape a spine takes for a wanted lateral tilt, and where its angles are measured.
 
-use std::ops::ControlFlow;
-
 use crate::common::chain::{dead, proportional};
 use crate::common::spine;
 use spineline::anatomy::{Levels, Side};
@@ -12,7 +10,7 @@ use spineline::multibody::{
 };
 use spineline::response::{
     ActingKind, CurveChange, OtherLoads, OtherLoadsError, PadEffect, PadTrial, Response, Verdict,
-    acting_loads, erect_shape, largest_factor, measure_angles, respond, try_pad,
+    acting_loads, erect_shape, go_on, largest_factor, measure_angles, respond, try_pad,
 };
 use spineline::spatial::{Angle, Mat3, Vec3};
 
@@ -26,7 +24,6 @@ fn load_top(
         GeneralStatics::new(model, springs.to_vec(), Support::Free).expect("sound springs");
     let loading = Loading::single(model.joints.len(), load);
     let most = largest_factor(model, springs, &loading);
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
     let response = respond(&statics, &loading, goal, most, &mut go_on).expect("sound loads");
     (loading, response)
 }
@@ -198,8 +195,7 @@ fn a_path_lost_beyond_its_result_is_reported_as_incomplete() {
         timing: Timing::Proportional,
     };
     let loading = Loading { items: Vec::new(), rods: vec![stretched] };
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
-    let mut answer = |goal| respond(&statics, &loading, goal, 1.0, &mut go_on).expect("sound");
+    let answer = |goal| respond(&statics, &loading, goal, 1.0, &mut go_on).expect("sound");
     let full = answer(Goal::FullLoad);
     assert!(full.result().is_none(), "{:?}", full.ending);
     assert!(matches!(full.ending, PathEnding::NotConverged | PathEnding::Unreachable));
@@ -298,12 +294,11 @@ fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
     let erect = erect_shape(&model);
     let places = usual_places(&model);
     let trials = PadTrial::all(15, 40.0, 2);
-    let none = OtherLoads::new(&statics, Loading::default(), &mut |_, _| ControlFlow::Continue(()));
+    let none = OtherLoads::new(&statics, Loading::default(), &mut go_on);
     let none = none.expect("no load is valid");
     assert_eq!(trials.len(), 14 * 2 * 2);
     let (mut found, mut corrected, mut worsened) = (0, 0, 0);
     for trial in trials {
-        let mut go_on = |_, _: &_| ControlFlow::Continue(());
         let effect = try_pad(&statics, &none, &places, trial, &mut go_on).expect("a sound load");
         let Some(reached) = effect.reached else { continue };
         let loading = Loading::single(trial.vertebra, spring_of(&effect));
@@ -331,7 +326,6 @@ fn a_pad_beside_other_loads_is_a_load_of_their_plan() {
     let model = spine(0).1;
     let springs = springs(&model);
     let statics = GeneralStatics::new(&model, springs, Support::Frontal).expect("sound springs");
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
     let places = usual_places(&model);
     let trial = PadTrial { vertebra: 9, towards: Side::Left, force_n: 25.0 };
     for timing in [Timing::Constant, Timing::Proportional] {

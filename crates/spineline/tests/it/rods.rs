@@ -1,7 +1,5 @@
 //! Rods in a frontal support, which leaves them tilt and lateral place.
 
-use std::ops::ControlFlow;
-
 use crate::common::chain::{dead, equilibrium, loads, proportional, springs, straight, with_rods};
 use crate::common::everything::draw_vector;
 use crate::common::{Draw, assert_near, spine};
@@ -9,7 +7,7 @@ use spineline::multibody::{
     BodyLoad, Deformed, GeneralStatics, Goal, Loading, LoadingFault, PathEnding, Rod, RodComponent,
     SpineModel, Support, Timing,
 };
-use spineline::response::{Response, respond};
+use spineline::response::{Response, go_on, respond};
 use spineline::spatial::{Angle, Mat3, Vec3, rotation_x};
 
 const K: f64 = 1.4e5;
@@ -26,7 +24,6 @@ fn only(rod: Rod) -> Loading {
 fn under(model: &SpineModel, support: Support, rod: Rod) -> Response {
     let statics = GeneralStatics::new(model, springs(model, [K, 1.3e5, 3e5]), support);
     let statics = statics.expect("sound springs");
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
     respond(&statics, &only(rod), Goal::FullLoad, 2.0, &mut go_on).expect("a rod that fits")
 }
 

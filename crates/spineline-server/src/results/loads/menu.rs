@@ -200,10 +200,7 @@ mod tests {
                     let model = analysis.personalised_model(line);
                     for kind in menu(&model).kinds {
                         let loads = LoadFile::new(vec![kind.example.0]);
-                        let goal = spineline::multibody::Goal::FullLoad;
-                        let mut go_on = |_, _: &_| std::ops::ControlFlow::Continue(());
-                        let found =
-                            Simulated::of(model.clone(), loads, goal, None, vec![], &mut go_on);
+                        let found = Simulated::at_full_load(model.clone(), loads);
                         let ending = found.expect("a load that fits").response.ending;
                         let of = (subject, support, line.kind, &kind.label);
                         assert!(ending.is_usable(), "{of:?}: {}", ending.key());

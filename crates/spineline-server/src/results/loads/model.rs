@@ -1,10 +1,7 @@
 //! The model of a line of action, alone and under loads.
 
-use std::ops::ControlFlow;
-
 use axum::http::StatusCode;
 use spineline::analysis::{Analysis, LineModel, PersonalisedModel};
-use spineline::multibody::Goal;
 use spineline::personalize::FitStatus;
 use spineline_files::{LoadFile, ModelFile, Simulated, parse_load, text_with_hash, to_text};
 
@@ -84,7 +81,5 @@ pub fn simulated_file(result: &StudyResult, line: LineKindName, text: &str) -> A
 
 /// A model under loads.
 pub fn simulated(model: PersonalisedModel, loads: LoadFile) -> Answer<Simulated> {
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
-    Simulated::of(model, loads, Goal::FullLoad, None, Vec::new(), &mut go_on)
-        .map_err(|error| Failure::of(&error))
+    Simulated::at_full_load(model, loads).map_err(|error| Failure::of(&error))
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 use axum::extract::State;
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
-use spineline::response::{OtherLoads, PadEffect, PadTrial, try_pad};
+use spineline::response::{OtherLoads, PadEffect, PadTrial, go_on, try_pad};
 use spineline_files::LoadFile;
 use spineline_store::Role;
 use utoipa_axum::router::OpenApiRouter;
@@ -129,7 +129,6 @@ fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
     let unusable = |text: String| Failure::refused(text).help("read the notices of the model");
     let statics = model.statics().map_err(|error| unusable(error.to_string()))?;
     let places = model.curves.as_deref().unwrap_or_default();
-    let mut go_on = |_, _: &_| ControlFlow::Continue(());
     let others = OtherLoads::new(&statics, others.clone(), &mut go_on).map_err(|error| {
         Failure::refused(error.to_string())
             .help("change the loads of the plan, or try the pads alone")

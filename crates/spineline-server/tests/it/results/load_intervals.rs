@@ -93,11 +93,8 @@ fn saved_with_the_intervals_of_the_command_line(lead: &Browser<'_>, file: &str) 
     let case = parse_analysis(&analysis).expect("an analysis").case;
     let source = ModelSource::of(&model, &case).expect("the case of this model");
     assert_eq!(source.kind, LineKind::Inflection);
-    let goal = spineline::multibody::Goal::FullLoad;
-    let mut go_on = |_, _: &_| std::ops::ControlFlow::Continue(());
     let loads = parse_load(file).expect("loads");
-    let own =
-        Simulated::of(model.model, loads, goal, None, vec![], &mut go_on).expect("sound loads");
+    let own = Simulated::at_full_load(model.model, loads).expect("sound loads");
     let film = Some(&source.analysis.movement.erect().outline);
     let measures =
         spineline::response::loaded_measures(&own.model.spine, &own.places, film, &own.response);
@@ -105,7 +102,7 @@ fn saved_with_the_intervals_of_the_command_line(lead: &Browser<'_>, file: &str) 
         kind: source.kind,
         support: own.model.support,
         loading: &own.placed.loading,
-        goal,
+        goal: spineline::multibody::Goal::FullLoad,
         largest_factor: None,
     };
     let noise = LandmarkNoise::Measured;

@@ -1,9 +1,6 @@
 //! Loads that users put on a model: the page shows what `spineline simulate` computes from the saved files.
 
-use std::ops::ControlFlow;
-
 use serde_json::{Value, json};
-use spineline::multibody::Goal;
 use spineline_files::{Simulated, parse_load, parse_model, results_text, to_text};
 use spineline_phantom::{Readers, Scenario, generate};
 
@@ -44,8 +41,7 @@ fn the_saved_files_give_the_command_line_the_same_simulation() {
         let saved = running.post(&format!("{PATH}/simulation"), &file(&loads));
         // As the command line does.
         let loads = parse_load(&text).expect("a load file");
-        let mut go_on = |_, _: &_| ControlFlow::Continue(());
-        let own = Simulated::of(stored.clone(), loads, Goal::FullLoad, None, vec![], &mut go_on);
+        let own = Simulated::at_full_load(stored.clone(), loads);
         let own = own.expect("sound loads").file(saved["generator"].as_str().expect("a program"));
         assert_eq!(saved["status"], "converged");
         let saved = without_provenance(saved);
