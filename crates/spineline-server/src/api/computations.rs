@@ -45,23 +45,31 @@ pub enum ComputationState {
     Failed,
 }
 
-/// A computation of the current results of a study.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub struct ComputationView {
-    /// What is computed.
-    pub name: ComputationName,
+/// State and steps of a computation.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct ProgressView {
     /// State.
     pub state: ComputationState,
     /// Steps that are done.
     pub done: u64,
     /// Number of steps.
     pub asked: u64,
+    /// Results and failures as text.
+    pub texts: Vec<String>,
+}
+
+/// A computation of the current results of a study.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct ComputationView {
+    /// What is computed.
+    pub name: ComputationName,
+    /// Its state, steps and texts.
+    #[serde(flatten)]
+    pub progress: ProgressView,
     /// Values with their intervals, where replicates are done.
     pub intervals: Vec<IntervalView>,
     /// Parts of the report, where it is done.
     pub sections: Vec<Section>,
-    /// Results and failures as text.
-    pub texts: Vec<String>,
 }
 
 /// A number of the analysis with its 95 % interval.

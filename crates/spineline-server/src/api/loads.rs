@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use spineline_report::document::Table;
 use utoipa::ToSchema;
 
-use super::{ComputationState, FileLoad, LevelError, Notice, PostureName, Shape, SideName};
+use super::{FileLoad, LevelError, Notice, PostureName, ProgressView, Shape, SideName};
 
 /// Loads that are possible on the model of one line of action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -169,18 +169,13 @@ pub struct LoadIntervalRequest {
 /// 95 % intervals of a model under loads.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct LoadIntervalsView {
-    /// State.
-    pub state: ComputationState,
-    /// Replicates that are done.
-    pub done: u64,
-    /// Number of replicates.
-    pub asked: u64,
+    /// Its steps are replicates; the texts give their number, failures, and coverage of the intervals.
+    #[serde(flatten)]
+    pub progress: ProgressView,
     /// The text of their load file, as it was sent: they are not valid for other loads.
     pub file: String,
     /// Intervals of the table of angles, where they are done.
     pub rows: Vec<LoadIntervalRow>,
-    /// Number of replicates, failures, and coverage of the intervals.
-    pub texts: Vec<String>,
 }
 
 /// Intervals of one row of the table of angles.
@@ -195,20 +190,15 @@ pub struct LoadIntervalRow {
 /// Effect of one pad at every level and towards both sides.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PadMapView {
-    /// State.
-    pub state: ComputationState,
-    /// Pads that were tried.
-    pub done: u64,
-    /// Pads to be tried.
-    pub asked: u64,
+    /// Its steps are pads; the texts are a summary, and failures.
+    #[serde(flatten)]
+    pub progress: ProgressView,
     /// Largest requested force.
     pub largest_force: Option<f64>,
     /// Columns, where it is done.
     pub columns: Vec<PadMapColumn>,
     /// Rows, the uppermost level first.
     pub rows: Vec<PadMapRow>,
-    /// Summary, and failures.
-    pub texts: Vec<String>,
 }
 
 /// Direction and force of a column.

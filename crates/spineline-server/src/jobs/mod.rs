@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use spineline_store::Name;
 use tokio::sync::Semaphore;
 
-use crate::api::ComputationState;
+use crate::api::{ComputationState, ProgressView};
 use crate::problem::Answer;
 use crate::result_cache::StudyResult;
 
@@ -111,36 +111,18 @@ impl<W: Work> Job<W> {
     }
 }
 
-/// State, steps and result of a job; it reads once how the job ended, so state and result agree.
-pub struct Progress<'a, W: Work> {
-    /// Running, or how it ended.
-    pub state: ComputationState,
-    /// Steps that are done.
-    pub done: u64,
-    /// Number of steps.
-    pub asked: u64,
-    /// Its result, once all steps are done.
-    pub found: Option<&'a W::Found>,
-    /// Why it failed.
-    pub failure: Option<String>,
-}
-
-impl<'a, W: Work> Progress<'a, W> {
-    /// Of a job, if one was begun.
-    pub fn of(job: Option<&'a Job<W>>) -> Self {
-        let Some(job) = job else {
-            let state = ComputationState::None;
-            return Self { state, done: 0, asked: 0, found: None, failure: None };
-        };
-        let (state, found, failure) = match job.ending.get() {
-            None => (ComputationState::Running, None, None),
-            Some(Ending::Done(found)) => (ComputationState::Done, Some(found), None),
-            Some(Ending::Cancelled) => (ComputationState::Cancelled, None, None),
-            Some(Ending::Failed(why)) => (ComputationState::Failed, None, Some(why.clone())),
-        };
-        let done = job.done.load(Ordering::Relaxed);
-        Self { state, done, asked: job.asked, found, failure }
-    }
+/// State, steps and result of a job, if one was begun; it reads once how the job ended, so state and result agree.
+pub fn progress<W: Work>(job: Option<&Job<W>>) -> (ProgressView, Option<&W::Found>) {
+    let (state, found, texts) = match job.map(|job| job.ending.get()) {
+        None => (ComputationState::None, None, Vec::new()),
+        Some(None) => (ComputationState::Running, None, Vec::new()),
+        Some(Some(Ending::Done(found))) => (ComputationState::Done, Some(found), Vec::new()),
+        Some(Some(Ending::Cancelled)) => (ComputationState::Cancelled, None, Vec::new()),
+        Some(Some(Ending::Failed(why))) => (ComputationState::Failed, None, vec![why.clone()]),
+    };
+    let done = job.map_or(0, |job| job.done.load(Ordering::Relaxed));
+    let asked = job.map_or(0, |job| job.asked);
+    (ProgressView { state, done, asked, texts }, found)
 }
 
 impl<W: Work> Jobs<W> {

@@ -8,20 +8,13 @@ use spineline::uncertainty::{QuantityKind, QuantitySpread, QuantityUnit, Uncerta
 use spineline_report::patient::parts;
 
 use crate::api::{Computation, ComputationView, IntervalView, Wire};
-use crate::jobs::{ComputationJob, Found, Progress};
+use crate::jobs::{ComputationJob, Found, progress};
 
 /// State, progress and results of a computation.
 pub fn view(name: Computation, job: Option<&ComputationJob>) -> ComputationView {
-    let Progress { state, done, asked, found, failure } = Progress::of(job);
-    let mut view = ComputationView {
-        name: Wire(name),
-        state,
-        done,
-        asked,
-        intervals: Vec::new(),
-        sections: Vec::new(),
-        texts: failure.into_iter().collect(),
-    };
+    let (progress, found) = progress(job);
+    let mut view =
+        ComputationView { name: Wire(name), progress, intervals: Vec::new(), sections: Vec::new() };
     // Computations exist only for analysed results.
     if let Some((job, found)) = job.zip(found)
         && let Some(analysis) = job.result.analysis()
@@ -35,7 +28,7 @@ fn add(view: &mut ComputationView, analysis: &Analysis, found: &Found) {
     view.sections = match found {
         Found::Replicates(found) => {
             view.intervals = intervals(analysis, found);
-            view.texts = texts(found);
+            view.progress.texts = texts(found);
             Vec::new()
         }
         Found::Identifiability(found) => vec![parts::identifiability(analysis, found)],

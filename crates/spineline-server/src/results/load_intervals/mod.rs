@@ -16,7 +16,7 @@ use super::computations::replicates::{BLOCK, checked, with_monte_carlo};
 use super::loads::{simulated_file, tables};
 use crate::api::{LineKindName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView, Problem};
 use crate::extract::{Json, Path};
-use crate::jobs::{Jobs, LoadIntervalJob, LoadIntervalWork, Progress};
+use crate::jobs::{Jobs, LoadIntervalJob, LoadIntervalWork, progress};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 use crate::state::AppState;
@@ -123,14 +123,11 @@ async fn all(state: &AppState, job: &Arc<LoadIntervalJob>) -> Answer<Option<Load
 
 /// State, progress and intervals.
 fn view(job: Option<&LoadIntervalJob>) -> LoadIntervalsView {
-    let Progress { state, done, asked, found, failure } = Progress::of(job);
+    let (progress, found) = progress(job);
     let mut view = LoadIntervalsView {
-        state,
-        done,
-        asked,
+        progress,
         file: job.map(|job| job.work.file.clone()).unwrap_or_default(),
         rows: Vec::new(),
-        texts: failure.into_iter().collect(),
     };
     if let Some((job, found)) = job.zip(found)
         && let Some(analysis) = job.result.analysis()
@@ -141,7 +138,7 @@ fn view(job: Option<&LoadIntervalJob>) -> LoadIntervalsView {
             intervals: intervals.to_vec(),
         };
         view.rows = rows.into_iter().map(row).collect();
-        view.texts = found.words();
+        view.progress.texts = found.words();
     }
     view
 }

@@ -7,7 +7,7 @@ use spineline::spatial::Angle;
 use spineline_files::AppliedLoad;
 
 use crate::api::{FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire};
-use crate::jobs::{PadMapJob, PadMapWork, Progress};
+use crate::jobs::{PadMapJob, PadMapWork, progress};
 use crate::words::patients;
 
 /// Equal steps of the force up to the largest one.
@@ -15,21 +15,18 @@ pub const STEPS: u32 = 4;
 
 /// State, progress and map of a computation.
 pub fn view(job: Option<&PadMapJob>) -> PadMapView {
-    let Progress { state, done, asked, found, failure } = Progress::of(job);
+    let (progress, found) = progress(job);
     let mut view = PadMapView {
-        state,
-        done,
-        asked,
+        progress,
         largest_force: job.map(|job| job.work.request.largest_force),
         columns: Vec::new(),
         rows: Vec::new(),
-        texts: failure.into_iter().collect(),
     };
     if let Some((job, found)) = job.zip(found) {
         let map = Map { job, largest_rad: largest_rad(found) };
         view.columns = columns(&job.work.trials);
         view.rows = map.rows(found);
-        view.texts = texts(&job.work, found);
+        view.progress.texts = texts(&job.work, found);
     }
     view
 }
