@@ -331,12 +331,7 @@ fn clean(id: &Name, bytes: &[u8], salt: [u8; 32]) -> Answer<Vec<u8>> {
 /// Films of one study get a common new identifier that does not reveal the old one.
 fn salt() -> Answer<[u8; 32]> {
     let mut salt = [0; 32];
-    getrandom::fill(&mut salt).map_err(|_| {
-        Failure::new(
-            StatusCode::INTERNAL_SERVER_ERROR,
-            "random",
-            "the operating system provides no random numbers",
-        )
-    })?;
+    getrandom::fill(&mut salt)
+        .map_err(|_| Failure::internal("the operating system provides no random numbers"))?;
     Ok(salt)
 }
