@@ -114,12 +114,14 @@ pub enum SpacingRemark {
         aspect: f64,
     },
     /// The shape of a pixel is stated in two contradicting ways; the spacing decides.
-    #[error("pixels are {} times as high as wide by the spacing, and {} times by Pixel Aspect Ratio or by the resolutions; angles depend on it", fixed(*by_spacing, 3), fixed(*stated, 3))]
+    #[error("pixels are {} times as high as wide by the spacing, and {} times by {by}; angles depend on it", fixed(*by_spacing, 3), fixed(*stated, 3))]
     AspectsDisagree {
         /// Height over width, by the spacing.
         by_spacing: f64,
-        /// As stated by itself.
+        /// Height over width, by the other statement.
         stated: f64,
+        /// Name of the other statement.
+        by: &'static str,
     },
     /// Only the shape of a pixel is usable.
     #[error("the file has no usable spacing, but pixels are stated to be {} times as high as wide: angles use this shape, and lengths are in pixels", fixed(*aspect, 3))]
@@ -178,13 +180,19 @@ fn is_magnification(value: f64) -> bool {
 /// Largest relative difference of agreeing values.
 const AGREEMENT: f64 = 0.01;
 
+/// Names of the attributes with a distance of rows and one of columns.
+const PIXEL: &str = "Pixel Spacing";
+const IMAGER: &str = "Imager Pixel Spacing";
+const SCANNED: &str = "Nominal Scanned Pixel Spacing";
+
 /// Judges the statements of a file about its spacing.
 ///
 /// In this order: Pixel Spacing with a calibration type (patient); Imager Pixel Spacing reduced by the magnification
 /// factor (patient) or by the distances (not stated: they reach to the support of the patient); Pixel Spacing that
 /// differs from the imager's (not stated); Pixel Spacing equal to the imager's, or Imager Pixel Spacing alone
 /// (detector); Pixel Spacing alone (not stated); Nominal Scanned Pixel Spacing (not stated); the shape of a pixel alone
-/// (pixels). Values that are not positive and finite are ignored.
+/// (pixels). Values that are not positive and finite are ignored. A magnification keeps the shape of a pixel, so every
+/// pair that is not used is compared with the spacing by its shape too.
 ///
 /// # References
 /// DICOM PS3.3, sections 10.7 and C.8.11; correction proposal 2380.
@@ -202,9 +210,9 @@ const AGREEMENT: f64 = 0.01;
 #[must_use]
 pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
     let mut remarks = Vec::new();
-    let pixel = usable("Pixel Spacing", evidence.pixel_mm, &mut remarks);
-    let imager = usable("Imager Pixel Spacing", evidence.imager_mm, &mut remarks);
-    let scanned = usable("Nominal Scanned Pixel Spacing", evidence.scanned_mm, &mut remarks);
+    let pixel = usable(PIXEL, evidence.pixel_mm, &mut remarks);
+    let imager = usable(IMAGER, evidence.imager_mm, &mut remarks);
+    let scanned = usable(SCANNED, evidence.scanned_mm, &mut remarks);
     let magnification = magnification(evidence, &mut remarks);
     let spacing = if let Some((pixel, calibration)) = pixel.zip(evidence.calibration) {
         let source = match calibration {
@@ -258,6 +266,10 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
     if let Some(spacing) = spacing.filter(|s| !agree(s.row_mm, s.column_mm)) {
         remarks.push(SpacingRemark::NotSquare { aspect: spacing.aspect() });
     }
+    if let Some(spacing) = spacing {
+        let pairs = [(PIXEL, pixel), (IMAGER, imager), (SCANNED, scanned)];
+        compare_shapes(spacing.aspect(), pairs, &mut remarks);
+    }
     let spacing = with_aspect(spacing, evidence.pixel_aspect, &mut remarks);
     SpacingJudgement { spacing, remarks }
 }
@@ -278,7 +290,8 @@ fn with_aspect(
         }
         (Some(spacing), Some(stated)) if !agree(spacing.aspect(), stated) => {
             let by_spacing = spacing.aspect();
-            remarks.push(SpacingRemark::AspectsDisagree { by_spacing, stated });
+            let by = "Pixel Aspect Ratio or by the resolutions";
+            remarks.push(SpacingRemark::AspectsDisagree { by_spacing, stated, by });
             Some(spacing)
         }
         (None, Some(aspect)) => {
@@ -290,6 +303,20 @@ fn with_aspect(
             None
         }
         (spacing, _) => spacing,
+    }
+}
+
+/// Remarks on every pair of distances with another shape of a pixel than the spacing has.
+fn compare_shapes(
+    by_spacing: f64,
+    pairs: [(&'static str, Option<[f64; 2]>); 3],
+    remarks: &mut Vec<SpacingRemark>,
+) {
+    for (by, pair) in pairs {
+        let aspect = pair.map(|[row_mm, column_mm]| row_mm / column_mm);
+        if let Some(stated) = aspect.filter(|aspect| !agree(by_spacing, *aspect)) {
+            remarks.push(SpacingRemark::AspectsDisagree { by_spacing, stated, by });
+        }
     }
 }
 

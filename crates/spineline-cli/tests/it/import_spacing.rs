@@ -48,3 +48,16 @@ fn a_pixel_aspect_ratio_is_used_without_a_spacing_and_asked_about_where_it_contr
     let error = here.import_refused(&B, 2);
     assert!(error.contains("2.000") && error.contains("0.500"), "{error}");
 }
+
+#[test]
+fn a_detector_with_another_shape_of_pixels_than_pixel_spacing_is_asked_about() {
+    let here = folder();
+    // Pixel Spacing has rows at twice the distance of columns.
+    put(&here, "a.dcm", &film_with((0x18, 0x1164), "DS", "0.11\\0.11"));
+    let error = here.import_refused(&ERECT, 2);
+    let words = unwrapped(&error);
+    assert!(words.contains("2.000") && words.contains("1.000 times by Imager"), "{error}");
+    assert!(words.contains("--spacing erect=") && !here.path("a").exists(), "{error}");
+    here.imported(&[&ERECT[..], &["--spacing", "0.1,0.1,patient"]].concat());
+    assert_eq!(here.json("a/case.json")["films"][0]["image"]["row_spacing_mm"], 0.1);
+}

@@ -135,6 +135,50 @@ fn impossible_or_contradicting_magnifications_keep_the_detector_plane() {
     assert!(matches!(remarks[..], [SpacingRemark::SpacingsDisagree { .. }]), "{remarks:?}");
 }
 
+#[test]
+fn pairs_of_distances_with_another_shape_of_a_pixel_are_asked_about() {
+    // The true pixels are 0.35 mm high and 0.25 mm wide; at magnification 1.1 the detector's are 0.385 mm and 0.275 mm.
+    let (tall, square) = ([0.35, 0.25], [0.25; 2]);
+    let (tall_imager, square_imager) = ([0.385, 0.275], [0.275; 2]);
+    let calibrated = Some(CalibrationType::Geometry);
+    let with = |pixel, calibration, imager, magnification| SpacingEvidence {
+        pixel_mm: Some(pixel),
+        calibration,
+        imager_mm: Some(imager),
+        magnification,
+        ..Default::default()
+    };
+    for (evidence, words) in [
+        (with(square, calibrated, tall_imager, Some(1.1)), ["1.000", "1.400 times by Imager"]),
+        (with(square, calibrated, tall_imager, None), ["1.000", "1.400 times by Imager"]),
+        (with(tall, None, square_imager, Some(1.1)), ["1.000", "1.400 times by Pixel Spacing"]),
+        (with(square, None, tall_imager, None), ["1.000", "1.400 times by Imager"]),
+        (with(square, None, [0.35, 0.25], None), ["1.000", "1.400 times by Imager"]),
+    ] {
+        let judged = judge_spacing(&evidence);
+        let asked = judged.question().map(ToString::to_string).unwrap_or_default();
+        assert!(words.iter().all(|word| asked.contains(word)), "{evidence:?}: {asked}");
+    }
+    // A scanned film with another shape than its calibrated spacing.
+    let scanned = SpacingEvidence {
+        pixel_mm: Some(tall),
+        calibration: Some(CalibrationType::Fiducial),
+        scanned_mm: Some(square),
+        ..Default::default()
+    };
+    let asked = judge_spacing(&scanned).question().map(ToString::to_string).unwrap_or_default();
+    assert!(asked.contains("1.000 times by Nominal Scanned Pixel Spacing"), "{asked}");
+    // One shape at two scales is no contradiction, nor is a last digit that was rounded.
+    for (pixel, imager) in [(tall, tall_imager), (square, [0.275, 0.2755])] {
+        for (calibration, magnification) in
+            [(calibrated, Some(1.1)), (None, Some(1.1)), (None, None)]
+        {
+            let judged = judge_spacing(&with(pixel, calibration, imager, magnification));
+            assert_eq!(judged.question(), None, "{pixel:?} {imager:?}");
+        }
+    }
+}
+
 /// Columns and rows of the picture.
 const SIZE_PX: [u32; 2] = [1200, 800];
 
