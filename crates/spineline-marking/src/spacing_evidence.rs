@@ -166,6 +166,14 @@ impl SpacingJudgement {
             _ => false,
         })
     }
+
+    /// The shape of a pixel by the file, height over width, where a person states another one. `None` where both agree, and where the
+    /// file states no shape or has a [question](Self::question): then the person's is the answer.
+    #[must_use]
+    pub fn contradicted_aspect(&self, stated: f64) -> Option<f64> {
+        let by_file = self.spacing?.aspect();
+        (self.question().is_none() && !agree(by_file, stated)).then_some(by_file)
+    }
 }
 
 /// Shapes of pixels that a film can have (assumption); scans at half the resolution in one direction have 2 or 0.5.

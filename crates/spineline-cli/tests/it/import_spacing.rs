@@ -61,3 +61,33 @@ fn a_detector_with_another_shape_of_pixels_than_pixel_spacing_is_asked_about() {
     here.imported(&[&ERECT[..], &["--spacing", "0.1,0.1,patient"]].concat());
     assert_eq!(here.json("a/case.json")["films"][0]["image"]["row_spacing_mm"], 0.1);
 }
+
+#[test]
+fn another_shape_of_pixels_than_the_files_needs_confirmation() {
+    let here = folder();
+    put(&here, "a.dcm", &film(1));
+    // A shape alone, without millimetres.
+    let mut shape = film_with((0x28, 0x34), "IS", "1\\2");
+    shape.remove((0x28, 0x30)).remove((0x28, 0xA02));
+    put(&here, "shape.dcm", &shape);
+    let all = ["--case-id", "A", "--film", "erect=1", "--out"];
+    for (file, spacing, by_file) in [
+        ("a.dcm", "0.15,0.15,patient", "2.000"),
+        ("a.dcm", "1,1,pixels", "2.000"),
+        ("shape.dcm", "0.15,0.15,patient", "0.500"),
+    ] {
+        let words = [&[file][..], &all, &["refused", "--spacing", spacing]].concat();
+        let error = here.import_refused(&words, 2);
+        let text = unwrapped(&error);
+        let said = format!("1.000 times as high as wide, and the file {by_file} times");
+        assert!(text.contains(&said) && text.contains("--accept"), "{file} {spacing}: {error}");
+        assert!(!here.path("refused").exists());
+        let out = format!("{file}-{}", spacing.len());
+        let words = [&[file][..], &all, &[out.as_str(), "--spacing", spacing, "--accept"]].concat();
+        let shown = here.imported(&words);
+        assert!(unwrapped(&shown).contains("accepted by --accept"), "{shown}");
+    }
+    // The file's shape at another scale.
+    here.imported(&[&["a.dcm"][..], &all, &["same", "--spacing", "0.15,0.3,patient"]].concat());
+    here.imported(&[&["shape.dcm"][..], &all, &["own", "--spacing", "0.2,0.1,unknown"]].concat());
+}

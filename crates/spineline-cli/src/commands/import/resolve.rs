@@ -6,7 +6,7 @@ use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
 use spineline::number::fixed;
 use spineline_films::{FilmDoubt, spacing_question};
-use spineline_marking::{Calibration, View, ViewQuestion, judge_view};
+use spineline_marking::{Calibration, SpacingJudgement, View, ViewQuestion, judge_view};
 
 use super::args::{ImportArgs, answer_for};
 use super::candidates::{ChosenFilm, Seen};
@@ -91,7 +91,7 @@ impl Question {
                 )
             }
             (About::Contradiction(_), _) => {
-                "choose another film, or --accept if you are sure".to_owned()
+                "correct your options, choose another film, or --accept if you are sure".to_owned()
             }
         }
     }
@@ -123,6 +123,8 @@ pub fn resolve(
     if let Some((by_file, _)) = by_file.zip(said).filter(|(file, said)| file != said) {
         contradicted.push(orientation_contradiction(view, by_file));
     }
+    let said_spacing = answer_for(&args.spacing, view);
+    contradicted.extend(said_spacing.and_then(|said| shape_contradiction(&seen.spacing(), &said)));
     for text in contradicted {
         if args.accept {
             notes.push(format!("{text}; accepted by --accept"));
@@ -130,7 +132,7 @@ pub fn resolve(
             questions.push(Question { view, about: About::Contradiction(text) });
         }
     }
-    if answer_for(&args.spacing, view).is_none() {
+    if said_spacing.is_none() {
         let asked = spacing_question(&seen.tags, &seen.remarks);
         questions.extend(asked.map(|text| Question { view, about: About::Spacing(text) }));
     }
@@ -162,6 +164,17 @@ fn orientation_contradiction(view: FilmView, by_file: ImageSide) -> String {
         asked_side(view),
         if by_file == ImageSide::Left { "left" } else { "right" }
     )
+}
+
+/// The file states another shape of a pixel than the user, whose distances are used.
+fn shape_contradiction(judged: &SpacingJudgement, said: &Spacing) -> Option<String> {
+    let by_file = judged.contradicted_aspect(said.aspect())?;
+    let source = judged.spacing?.source;
+    Some(format!(
+        "your --spacing has pixels {} times as high as wide, and the file {} times ({source}); angles depend on it",
+        fixed(said.aspect(), 3),
+        fixed(by_file, 3)
+    ))
 }
 
 /// Contradictions between a film and its file, which may state no view.
