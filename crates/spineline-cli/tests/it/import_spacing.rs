@@ -91,3 +91,28 @@ fn another_shape_of_pixels_than_the_files_needs_confirmation() {
     here.imported(&[&["a.dcm"][..], &all, &["same", "--spacing", "0.15,0.3,patient"]].concat());
     here.imported(&[&["shape.dcm"][..], &all, &["own", "--spacing", "0.2,0.1,unknown"]].concat());
 }
+
+#[test]
+fn a_ball_that_contradicts_the_given_spacing_is_noted() {
+    let here = folder();
+    let mut bare = film(1);
+    bare.remove((0x28, 0x30)).remove((0x28, 0xA02));
+    put(&here, "a.dcm", &bare);
+    let all = ["a.dcm", "--case-id", "A", "--film", "erect=1", "--out"];
+    // 25 mm over 40 pixels are 0.625 mm a pixel: 1.25 times 0.5 mm. A detector's 0.7 mm are a magnification of 1.12.
+    let import = |out: &str, spacing: &str| {
+        let words = [out, "--ball", "erect=10,20,50,20,25", "--spacing", spacing];
+        let shown = unwrapped(&here.imported(&[&all[..], &words].concat()));
+        let image = &here.json(format!("{out}/case.json"))["films"][0]["image"];
+        assert_eq!(image["column_spacing_mm"], 0.625);
+        shown
+    };
+    let shown = import("a", "0.5,0.5,patient");
+    assert!(shown.contains("is 1.250 times your --spacing; your --spacing is not used"), "{shown}");
+    for (out, spacing) in
+        [("b", "0.63,0.63,patient"), ("c", "0.7,0.7,detector"), ("d", "1,1,pixels")]
+    {
+        let shown = import(out, spacing);
+        assert!(!shown.contains("your --spacing"), "{shown}");
+    }
+}

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use spineline::anatomy::{FilmView, ImageSide, Posture};
-use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
+use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline::number::fixed;
 use spineline_films::{FilmDoubt, spacing_question};
 use spineline_marking::{Calibration, SpacingJudgement, View, ViewQuestion, judge_view};
@@ -217,31 +217,38 @@ fn spacing(
             .spacing([seen.columns, seen.rows])
             .map_err(|error| Failure::usage(format!("the scale of the {view} film: {error}")))
     });
-    let Some(used) = calibrated.transpose()?.or(said) else {
+    let calibrated = calibrated.transpose()?;
+    if let Some((said, used)) = said.zip(calibrated) {
+        compare(view, "your --spacing", &said, &used, notes);
+    }
+    let Some(used) = calibrated.or(said) else {
         notes.extend(judged.remarks.iter().map(ToString::to_string));
         return Ok(judged.spacing);
     };
     if let Some(file) = judged.spacing {
-        compare(view, &file, &used, notes);
+        compare(view, "the file's", &file, &used, notes);
     }
     Ok(Some(used))
 }
 
-/// Notes a scale that differs from the file's by more than a magnification can.
-fn compare(view: FilmView, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) {
-    if !(file.has_millimetres() && used.has_millimetres()) {
+/// Notes a scale that differs from another one, which is not used, by more than a magnification can.
+fn compare(view: FilmView, name: &str, other: &Spacing, used: &Spacing, notes: &mut Vec<String>) {
+    if !(other.has_millimetres() && used.has_millimetres()) {
         return;
     }
-    let ratio = used.column_mm / file.column_mm;
-    let usual = match file.plane {
+    let ratio = used.column_mm / other.column_mm;
+    let usual = match other.plane {
         SpacingPlane::Patient => 0.95..=1.05,
         _ => 0.7..=1.02,
     };
     if !usual.contains(&ratio) {
+        let source = match other.source {
+            SpacingSource::Stated => String::new(),
+            source => format!(" ({source})"),
+        };
         notes.push(format!(
-            "the scale used for the {view} film is {} times the file's ({}); the file's is not used",
-            fixed(ratio, 3),
-            file.source
+            "the scale used for the {view} film is {} times {name}{source}; {name} is not used",
+            fixed(ratio, 3)
         ));
     }
 }
