@@ -130,10 +130,14 @@ fn syntax(error: &serde_json::Error) -> FileError {
 fn explain(error: serde_path_to_error::Error<serde_json::Error>) -> FileError {
     let path = error.path().to_string();
     let error = error.into_inner();
-    if !error.is_data() {
+    let (line, mut reason) = (error.line(), json_reason(&error));
+    if reason == "trailing characters" {
+        // A list that has all its values ends for `serde_json`, and another value counts as text after it. `KeysOnce` reads all values of
+        // a list, so the text has been read as JSON before.
+        "more values than expected".clone_into(&mut reason);
+    } else if !error.is_data() {
         return syntax(&error);
     }
-    let (line, reason) = (error.line(), json_reason(&error));
     // The path of an unknown key ends with the key itself.
     let place =
         |path: &str| if path == "." { "at the top".to_owned() } else { format!("in `{path}`") };

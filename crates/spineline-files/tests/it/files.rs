@@ -231,6 +231,25 @@ fn an_unknown_key_is_reported_with_place_and_nearest_known_key() {
 }
 
 #[test]
+fn a_list_with_too_many_values_is_named_as_one_with_too_few_is() {
+    let with = |key: &str, list: &[f64]| {
+        let mut case: serde_json::Value = serde_json::from_str(&text()).expect("JSON");
+        case["films"][0]["readings"][0]["vertebrae"]["T8"][key] = list.into();
+        refused(&serde_json::to_string_pretty(&case).expect("JSON"))
+    };
+    let place = "in `films[0].readings[0].vertebrae.T8.superior_left`: ";
+    let few = with("superior_left", &[1.0]).to_string();
+    let many = with("superior_left", &[1.0, 2.0, 3.0]).to_string();
+    assert!(few.contains(&format!("{place}1 values where a list of 2 is expected")), "{few}");
+    assert!(many.contains(&format!("{place}more values than expected")), "{many}");
+    assert!(matches!(with("confidence", &[0.5; 5]), FileError::Value { .. }));
+    // Text after the JSON, or within it, is no list.
+    for wrong in [text() + "]", text().replacen('[', "[5 5 ", 1)] {
+        assert!(matches!(refused(&wrong), FileError::Syntax { .. }), "{}", refused(&wrong));
+    }
+}
+
+#[test]
 fn a_repeated_level_is_an_error() {
     let wrong = text().replacen("\"T7\":", "\"T8\":", 1);
     assert!(refused(&wrong).to_string().contains("T8 is given twice"), "{}", refused(&wrong));
