@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
-    Corners, IliacCrests, Placement, Reading, ReadingId, TiltRule, VertebraLandmarks,
+    Corners, IliacCrests, ImageGeometry, Placement, Reading, ReadingId, TiltRule, VertebraLandmarks,
 };
 use spineline::number::fixed;
 use spineline::spatial::{Frontal, Pixel};
@@ -295,6 +295,7 @@ impl List {
                 self.mark(film, id, bodies, to_pixel)
             }
             (SlicerFrame::Patient, Some(image)) => {
+                self.check_on_picture(&bodies, &image)?;
                 self.mark(film, id, bodies, |p| Ok(image.pixel(frontal(p))))
             }
             (SlicerFrame::Patient, None) => {
@@ -302,6 +303,26 @@ impl List {
                 Ok(())
             }
         }
+    }
+
+    /// Refuses points in the patient that are not on the picture from its first pixel as their origin: where else the picture lies in
+    /// the patient is not known.
+    fn check_on_picture(
+        &self,
+        bodies: &BTreeMap<Level, Corners<Lps>>,
+        image: &ImageGeometry,
+    ) -> Result<(), LandmarkError> {
+        let is_outside = |p: Lps| !image.contains(image.pixel(frontal(p)));
+        let outside = bodies.iter().find(|(_, body)| body.points().into_iter().any(is_outside));
+        let Some((level, _)) = outside else { return Ok(()) };
+        Err(LandmarkError::Ambiguous {
+            at: self.at.clone(),
+            reason: format!(
+                "its points lie in a coronal plane of the patient, and the file does not state where the picture lies in it; \
+                 with the first pixel as the origin, {level} is not on the picture"
+            ),
+            help: "place the points on the picture itself, as Slicer loads it without a position in the patient; without a picture, `spineline.Film` in Python reads the list as locations and tilts",
+        })
     }
 
     /// Adds bodies and crests on a picture.
@@ -388,9 +409,8 @@ impl List {
     /// Millimetres per column and row in Slicer.
     fn steps(&self, hint: &LandmarkHint) -> Result<[f64; 2], LandmarkError> {
         let own = self.about.as_ref().and_then(|about| about.spacing_mm);
-        let of_image = |image: spineline::measure::ImageGeometry| {
-            image.scale().map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm])
-        };
+        let of_image =
+            |image: ImageGeometry| image.scale().map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm]);
         let steps = own.or(hint.image.map(of_image)).ok_or(LandmarkError::Needs {
             format: "a point list on a picture",
             what: "the pixel spacing of that picture",

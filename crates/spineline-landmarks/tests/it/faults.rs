@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{CornerFault, ImageGeometry, MeasureFault};
-use spineline::spatial::Angle;
+use spineline::spatial::{Angle, Pixel};
 use spineline_landmarks::{
     LandmarkError, LandmarkHint, LandmarkReadings, LandmarkTarget, MAX_ROWS, export_landmarks,
     parse_coco, parse_csv, parse_labelme, parse_landmarks, parse_slicer,
@@ -274,6 +274,37 @@ fn f26_points_outside_of_a_plane_are_refused() {
     parse_slicer(slicer(&body([0.0; 4])).as_bytes(), &hint).expect("a plane of a picture");
     let error = parse_slicer(slicer(&body([0.0, 0.0, 0.0, 3.0])).as_bytes(), &hint);
     assert!(matches!(error, Err(LandmarkError::Plane { .. })), "{error:?}");
+}
+
+#[test]
+fn points_in_the_patient_without_the_place_of_the_picture_are_refused_with_this_reason() {
+    let list = |left_mm: f64, cranial_mm: f64| {
+        let corners = [("SL", 5.0, 8.0), ("SR", -5.0, 8.0), ("IL", 5.0, 1.0), ("IR", -5.0, 1.0)];
+        let at = |(corner, x, z): (&str, f64, f64)| {
+            point(&format!("T5 {corner}"), left_mm + x, 17.0, cranial_mm + z)
+        };
+        slicer(&corners.map(at).join(","))
+    };
+    let hint = LandmarkHint { image: Some(image()), ..hint() };
+    // From the first pixel, the patient's left is to the right and the feet are below; a pixel counts as 1 mm.
+    let file = parse_slicer(list(50.0, -109.0).as_bytes(), &hint).expect("on the picture");
+    let LandmarkReadings::Corners(readings) = &file.films[0].landmarks else { panic!("corners") };
+    let corner = readings[0].vertebrae[&Level::T5].corners.superior_left;
+    assert_eq!(corner, Pixel::new(55.0, 101.0));
+    // An origin in the middle of the patient.
+    let error = parse_slicer(list(-50.0, 300.0).as_bytes(), &hint).expect_err("another origin");
+    let text = error.to_string();
+    assert!(
+        text.contains("does not state where the picture lies") && text.contains("T5"),
+        "{text}"
+    );
+    assert!(!text.contains("column") && error.help().contains("`spineline.Film`"), "{text}");
+    // Without a picture the same list gives locations.
+    let file = parse_slicer(list(-50.0, 300.0).as_bytes(), &LandmarkHint::default());
+    let placed = file.expect("no picture").films.remove(0).landmarks;
+    let LandmarkReadings::Placements(readings) = placed else { panic!("locations") };
+    let location = readings[0].vertebrae[&Level::T5].location;
+    assert!((location.y_mm + 50.0).abs() < 1e-12 && (location.z_mm - 304.5).abs() < 1e-12);
 }
 
 #[test]

@@ -213,7 +213,7 @@ fn refuse_placements(file: &Path, film: &Film) -> Result<(), Failure> {
     );
     let help = match source {
         PlacementSource::Vertebrae => {
-            "such a case needs no picture: write the locations into a case file"
+            "such a case needs no picture: read the file with `spineline.Film` in Python, or write the locations into a case file"
         }
         PlacementSource::SurfaceMidline => {
             "a midline needs no picture: make a case of it with `spineline import --midlines`"
