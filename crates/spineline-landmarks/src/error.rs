@@ -31,6 +31,13 @@ spineline::faults! {
             /// Limit.
             limit: u64,
         },
+        /// A folder that is not one of AASCE.
+        #[error("it is a folder without {missing}, and a folder is read only as an AASCE set")]
+        #[help("give the files of landmarks in it one by one, each with its own --landmarks; an AASCE set has filenames.csv, landmarks.csv and image_sizes.csv")]
+        Folder {
+            /// The file that an AASCE set has.
+            missing: &'static str,
+        },
         /// The format of the file is unknown.
         #[error("unknown landmark format: {reason}")]
         #[help("give CSV, Slicer markups, labelme or COCO JSON, surface midlines, an AASCE .mat or folder, or a DICOM report of Spineline")]

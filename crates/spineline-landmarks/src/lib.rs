@@ -164,7 +164,10 @@ pub fn read_landmarks(path: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, 
 }
 
 fn read_folder(folder: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
-    let file = |name: &str| read_file(&folder.join(name));
+    let file = |missing: &'static str| {
+        let path = folder.join(missing);
+        if path.exists() { read_file(&path) } else { Err(LandmarkError::Folder { missing }) }
+    };
     let (names, landmarks) = (file("filenames.csv")?, file("landmarks.csv")?);
     let sizes = image_sizes(&file("image_sizes.csv")?)?;
     let rows = AasceRows::new(&names, &landmarks, &sizes, hint)?;

@@ -4,7 +4,7 @@ use serde_json::{Value as Json, json};
 
 use crate::import::put;
 use crate::maker::Maker;
-use crate::program::{Here, folder};
+use crate::program::{Here, folder, unwrapped};
 
 const CORNERS: [&str; 4] = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
 const FILMS: [(&str, &str); 3] =
@@ -180,6 +180,31 @@ fn one_file_per_annotator_is_imported_with_their_names() {
     assert!(error.contains("raterC.json, which is not a given file"), "{error}");
     let (_, notes, code) = here.import(&arguments("d", &named("raterB.json=Rater_a")));
     assert!(code == 0 && notes.contains("`Rater_a` and `rater-A` count as 2 observers"), "{notes}");
+}
+
+#[test]
+fn a_folder_of_landmarks_is_refused_with_the_way_to_give_its_files() {
+    let here = three_films();
+    std::fs::create_dir(here.path("marks")).expect("a folder");
+    here.write("marks/erect.json", labelme("P07_standing.png", 0.0));
+    here.write("marks/left_bending.json", labelme("P07_LB.png", 3.0));
+    here.write("marks/provenance.json", r#"{"format": "spineline-provenance", "version": 1}"#);
+    let error = here.import_refused(&arguments("a", &["--landmarks", "marks"]), 3);
+    let words = unwrapped(&error);
+    assert!(words.contains("marks: it is a folder without filenames.csv"), "{error}");
+    assert!(words.contains("one by one") && words.contains("--landmarks"), "{error}");
+    // The list that `export` writes beside its files.
+    let all = ["marks/erect.json", "marks/left_bending.json", "marks/provenance.json"];
+    let given = all.map(|file| ["--landmarks", file]).concat();
+    let (_, notes, code) = here.import(&arguments("b", &given));
+    assert!(code == 0 && notes.contains("marks/provenance.json is passed over"), "{notes}");
+    assert_eq!(tops(&here.json("b/case.json")).len(), 2);
+    // A shell gives the option the first file of `marks/*`.
+    let (_, notes, code) = here.import(&arguments("c", &[&["--landmarks"], &all[..]].concat()));
+    assert_eq!(code, 0, "{notes}");
+    for file in &all[1..] {
+        assert!(notes.contains(&format!("note: {file} is passed over as a film")), "{notes}");
+    }
 }
 
 #[test]

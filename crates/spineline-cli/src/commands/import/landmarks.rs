@@ -13,6 +13,7 @@ use spineline::measure::{
 };
 use spineline::spatial::Pixel;
 use spineline::warning::Warnings;
+use spineline_files::{file_format, read_text};
 use spineline_landmarks::{
     LandmarkError, LandmarkHint, parse_lateral_csv, read_file, read_landmarks,
 };
@@ -85,6 +86,13 @@ pub fn read_onto(
     let only = if let [one] = frontal[..] { Some(one) } else { None };
     for of in &args.landmarks {
         let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
+        if is_provenance(&of.value) {
+            say(format!(
+                "note: {} is passed over: it is an output (`{PROVENANCE}`), not a file of landmarks",
+                of.value.display()
+            ));
+            continue;
+        }
         let given = args.reading_of(&of.value);
         let hint = hint_for(of.posture.or(only), films, given);
         let file = read_landmarks(&of.value, &hint).map_err(|error| fail(&error))?;
@@ -123,6 +131,14 @@ pub fn read_onto(
     }
     check_all(&landmarks)?;
     Ok(landmarks)
+}
+
+/// The format of the list of files that `export` writes beside several files of landmarks.
+const PROVENANCE: &str = "spineline-provenance";
+
+fn is_provenance(path: &Path) -> bool {
+    let format = || read_text(path).ok().and_then(|text| file_format(&text));
+    path.to_string_lossy().ends_with("provenance.json") && format().as_deref() == Some(PROVENANCE)
 }
 
 fn not_chosen(posture: Posture) -> Failure {

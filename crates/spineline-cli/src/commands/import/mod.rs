@@ -16,6 +16,7 @@ mod write;
 pub use args::{EXAMPLES, ImportArgs};
 
 use spineline::anatomy::{FilmView, ImageSide};
+use spineline_films::intake::Place;
 use spineline_films::{FilmDoubt, Stated, film_doubts};
 
 use candidates::{Candidates, ChosenFilm};
@@ -51,6 +52,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
             "which film shows which posture? Give their numbers, as in --film erect=1 --film left-bending=2",
         ));
     }
+    note_other_files(args, &candidates);
     chosen.sort_unstable();
     let seen = chosen
         .iter()
@@ -74,6 +76,19 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     let marks = Marks { frontal: landmarks, lateral };
     write::write(args, folder, case_id, &candidates, &films, &marks)?;
     print(text::outcome(&films, folder, marked))
+}
+
+/// Notes files that the command line names one by one as films and that are none: a shell gives an option the first file of a
+/// pattern such as FOLDER/* only, and the others count as films.
+fn note_other_files(args: &ImportArgs, candidates: &Candidates) {
+    for passed in &candidates.survey.passed_over {
+        if matches!(&passed.place, Place::File(path) if args.paths.contains(path)) {
+            let (place, reason) = (&passed.place, &passed.reason);
+            say(format!(
+                "note: {place} is passed over as a film: {reason}; a file of landmarks needs its own --landmarks"
+            ));
+        }
+    }
 }
 
 /// The films that the command line chooses.
