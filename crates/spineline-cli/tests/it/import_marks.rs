@@ -183,6 +183,23 @@ fn one_file_per_annotator_is_imported_with_their_names() {
 }
 
 #[test]
+fn landmarks_of_a_film_that_was_not_chosen_are_named_with_their_file() {
+    let here = three_films();
+    here.write("own.json", labelme("P07_standing.png", 0.0));
+    here.imported(&arguments("a", &["--landmarks", "own.json"]));
+    let export = ["export", "a/case.json", "--to", "csv", "--out", "erect.csv"];
+    here.done(&export);
+    let other = here.text("erect.csv").replace("erect,", "traction,");
+    here.write("traction.csv", other);
+    let files = ["--landmarks", "own.json", "--landmarks", "traction.csv"];
+    let error = here.import_refused(&arguments("b", &files), 2);
+    assert!(
+        unwrapped(&error).contains("traction.csv: the landmarks are of the traction film"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_folder_of_landmarks_is_refused_with_the_way_to_give_its_files() {
     let here = three_films();
     std::fs::create_dir(here.path("marks")).expect("a folder");

@@ -103,7 +103,7 @@ pub fn read_onto(
         for (posture, marked) in assignment.films(file.films)? {
             let picture = marked.picture.clone();
             let film = films.iter().find(|film| film.view.posture() == Some(posture));
-            let Some(film) = film else { return Err(not_chosen(posture)) };
+            let Some(film) = film else { return Err(not_chosen(&of.value, posture)) };
             let film = marked
                 .into_film(of.posture.or(Some(posture)), Some(film.image))
                 .map_err(|error| fail(&error))?;
@@ -141,9 +141,10 @@ fn is_provenance(path: &Path) -> bool {
     path.to_string_lossy().ends_with("provenance.json") && format().as_deref() == Some(PROVENANCE)
 }
 
-fn not_chosen(posture: Posture) -> Failure {
+fn not_chosen(file: &Path, posture: Posture) -> Failure {
     Failure::usage(format!(
-        "the landmarks are of the {posture} film, which was not chosen: add --film {}=…",
+        "{}: the landmarks are of the {posture} film, which was not chosen: add --film {}=…",
+        file.display(),
         posture.key().replace('_', "-")
     ))
 }
