@@ -1,4 +1,4 @@
-//! Checks the pictures beside a case: each film has its own picture, of the same patient and part of the body.
+//! Checks the pictures beside a case: each film has its own picture, the one with its landmarks, of the same patient and part of the body.
 
 use std::path::{Path, PathBuf};
 
@@ -6,9 +6,9 @@ use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline::warning::{WarningCode, Warnings};
-use spineline_files::CaseFile;
+use spineline_files::{CaseFile, sha256_hex};
 use spineline_films::{Stated, film_doubts};
-use spineline_landmarks::read_source;
+use spineline_landmarks::{parse_source, read_source};
 
 use crate::run::failure::Failure;
 use crate::run::film_decoder::{Decoder, film_bytes};
@@ -19,6 +19,8 @@ struct Beside {
     posture: Option<Posture>,
     size: (u32, u32),
     place: PathBuf,
+    /// As the case states it.
+    sha256: Option<String>,
 }
 
 impl Beside {
@@ -32,6 +34,35 @@ impl Beside {
             None => warnings.push(code, text),
         }
     }
+
+    /// Warns that the film may not belong to the case.
+    fn doubt(&self, code: WarningCode, why: &str, warnings: &mut Warnings) {
+        // A warning without a posture names the lateral film itself.
+        let place = self.posture.map_or_else(|| format!("{}: ", self.name()), |_| String::new());
+        self.warn(code, format!("{place}{why}: check that it belongs to this case"), warnings);
+    }
+
+    /// Why these bytes are not the film with the landmarks: by their SHA-256, or by the size that a DICOM file states.
+    fn other_file(&self, bytes: &[u8]) -> Option<String> {
+        let size = || parse_source(bytes, "").ok().map(|source| source.size);
+        other_bytes(self.sha256.as_deref(), bytes).or_else(|| other_size(size()?, self.size))
+    }
+}
+
+/// Why these bytes are not the film with the landmarks, if the case states another SHA-256.
+pub fn other_bytes(stated: Option<&str>, bytes: &[u8]) -> Option<String> {
+    let is_other = stated? != sha256_hex(bytes);
+    is_other.then(|| "its file is not the one with the landmarks (different SHA-256)".to_owned())
+}
+
+/// Why a picture of this size, columns first, is not the film with the landmarks, if the case states another size.
+pub fn other_size(found: (u32, u32), stated: (u32, u32)) -> Option<String> {
+    (found != stated).then(|| {
+        format!(
+            "it has {} × {} pixels, but the film with the landmarks {} × {}",
+            found.0, found.1, stated.0, stated.1
+        )
+    })
 }
 
 /// Compares the pictures that lie beside a case; missing and unreadable pictures are skipped.
@@ -54,15 +85,16 @@ fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
     let frontal = case.films.iter().filter_map(|film| {
         let FilmLandmarks::Corners { image, .. } = &film.landmarks else { return None };
         let size = (image.columns, image.rows);
-        Some((Some(film.posture), size, file.source(film.posture)?.file?))
+        Some((Some(film.posture), size, file.source(film.posture)?))
     });
     let lateral = case.lateral.as_ref().and_then(|film| {
-        Some((None, (film.image.columns, film.image.rows), file.lateral_source()?.file?))
+        Some((None, (film.image.columns, film.image.rows), file.lateral_source()?))
     });
-    let named = frontal.chain(lateral);
-    // `CaseFile::into_case` refuses a name in another folder.
-    let placed =
-        named.map(|(posture, size, name)| Beside { posture, size, place: folder.join(name) });
+    let placed = frontal.chain(lateral).filter_map(|(posture, size, source)| {
+        // `CaseFile::into_case` refuses a name in another folder.
+        let place = folder.join(source.file?);
+        Some(Beside { posture, size, place, sha256: source.sha256 })
+    });
     placed.filter(|film| film.place.is_file()).collect()
 }
 
@@ -89,21 +121,21 @@ fn picture(decoder: &Decoder, place: &Path) -> Option<String> {
     decoder.decode(film_bytes(place).ok()?).ok().map(|film| film.picture_sha256())
 }
 
-/// Warns of films of another part of the body or another patient, if their files are DICOM.
+/// Warns of files other than those with the landmarks, and of films of another part of the body or another patient, if their files
+/// are DICOM.
 fn warn_of_wrong_films(films: &[Beside], warnings: &mut Warnings) {
-    let stated = |film: &Beside| {
+    let mut all_stated = Vec::new();
+    for film in films {
         let bytes = film_bytes(&film.place).ok();
+        if let Some(why) = bytes.as_ref().and_then(|bytes| film.other_file(bytes)) {
+            film.doubt(WarningCode::PictureDiffers, &why, warnings);
+        }
         let stated = bytes.and_then(|bytes| Stated::read(&bytes).ok()).unwrap_or_default();
-        (film.name(), stated)
-    };
-    let doubts = film_doubts(&films.iter().map(stated).collect::<Vec<_>>());
-    for (film, doubts) in films.iter().zip(doubts) {
+        all_stated.push((film.name(), stated));
+    }
+    for (film, doubts) in films.iter().zip(film_doubts(&all_stated)) {
         for doubt in doubts {
-            // A warning without a posture names the lateral film itself.
-            let place =
-                film.posture.map_or_else(|| format!("{}: ", film.name()), |_| String::new());
-            let text = format!("{place}{}: check that it belongs to this case", doubt.text);
-            film.warn(doubt.code, text, warnings);
+            film.doubt(doubt.code, &doubt.text, warnings);
         }
     }
 }

@@ -163,6 +163,60 @@ fn a_film_of_another_patient_or_part_of_the_body_is_noticed_by_every_command() {
     }
 }
 
+#[test]
+fn a_picture_other_than_the_one_with_the_landmarks_is_noticed_by_every_command() {
+    let here = folder();
+    here.done(&["phantom", "--subject", "1", "--out", ".", "--noise", "0", "--pixel-size", "2"]);
+    let image = here.json(CASE)["films"][0]["image"].clone();
+    let [columns, rows] =
+        ["columns", "rows"].map(|key| image[key].as_u64().expect("a size") as u16);
+    let picture = Maker::new(columns, rows, &vec![7; usize::from(columns) * usize::from(rows)]);
+    let bytes = picture.file(EXPLICIT);
+    here.write("erect.dcm", &bytes);
+    let own = spineline_files::sha256_hex(&bytes);
+    let other = spineline_files::sha256_hex(b"another film");
+    let (by_hash, by_size) = ("(different SHA-256)", "but the film with the landmarks");
+    for (sha256, more_columns, expected) in
+        [(Some(&own), 0, None), (Some(&other), 0, Some(by_hash)), (None, 10, Some(by_size))]
+    {
+        here.change(CASE, |case| {
+            let image = &mut case["films"][0]["image"];
+            image["file"] = "erect.dcm".into();
+            image["columns"] = (columns + more_columns).into();
+            image["sha256"] = json!(sha256);
+        });
+        for command in [&["check", CASE][..], &["analyze", CASE, "--json", "a.json"]] {
+            let (out, error, code) = here.run(command);
+            let said = unwrapped(&format!("{out}{error}"));
+            assert_eq!(code, 0, "{command:?}: {said}");
+            if command[0] == "check" {
+                let is_said = |words: &str| said.contains(words);
+                assert_eq!(
+                    [by_hash, by_size].map(is_said),
+                    [by_hash, by_size].map(|words| expected == Some(words)),
+                    "{said}"
+                );
+            }
+        }
+        assert_eq!(here.text("a.json").contains("picture_differs"), expected.is_some());
+        let (_, error, _) = here.run(&["report", CASE, "--out", "r.html"]);
+        let is_hidden = unwrapped(&error).contains("picture of the erect film is not shown");
+        assert_eq!(is_hidden, expected.is_some(), "{error}");
+        let export = ["export", CASE, "--to", "dicom-sr", "--posture", "erect", "--out", "r.dcm"];
+        match expected {
+            None => drop(here.done(&export)),
+            Some(by_hash_or_size) => {
+                let error = here.refused(&export, 3);
+                assert!(error.contains("erect film"), "{error}");
+                assert_eq!(error.contains(by_hash), by_hash_or_size == by_hash, "{error}");
+            }
+        }
+        for file in ["a.json", "r.html"] {
+            fs::remove_file(here.path(file)).expect("removed");
+        }
+    }
+}
+
 /// Corners of T9 and T8 by name: column and row.
 fn corners(down: f64) -> Vec<(String, [f64; 2])> {
     let mut all = Vec::new();

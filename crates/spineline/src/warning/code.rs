@@ -141,6 +141,8 @@ warning_codes! {
         OtherBodyPart = "other_body_part": Warning, DoubtsFilm, OfPicture;
         /// A DICOM file states another patient than the file of an earlier film.
         PatientDiffers = "patient_differs": Warning, DoubtsFilm, OfPicture;
+        /// The file beside the case is not the picture with the landmarks, by its SHA-256 or its size.
+        PictureDiffers = "picture_differs": Warning, OfPicture;
         /// Two readings of a film place its vertebrae far apart.
         ReadingsApart = "readings_apart": Warning;
         /// Some readings of a film lack a vertebra that others have.

@@ -5,9 +5,10 @@ use std::path::Path;
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::{FilmLandmarks, ImageGeometry};
-use spineline_files::{CaseFile, FilmSource, sha256_hex};
+use spineline_files::{CaseFile, FilmSource};
 use spineline_report::figures::FilmPicture;
 
+use crate::analysis::films::{other_bytes, other_size};
 use crate::run::failure::Failure;
 use crate::run::film_decoder::{Decoder, film_bytes};
 use crate::run::threads::map_all;
@@ -62,17 +63,13 @@ fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, St
     let name = film.source.file.as_deref().unwrap_or_default();
     // `CaseFile::into_case` refuses a name in another folder.
     let bytes = film_bytes(&folder.join(name)).map_err(|error| error.to_string())?;
-    let is_other = |sum: &String| *sum != sha256_hex(&bytes);
-    if film.source.sha256.as_ref().is_some_and(is_other) {
-        return Err("its file is not the one with the landmarks (different SHA-256)".to_owned());
+    if let Some(why) = other_bytes(film.source.sha256.as_deref(), &bytes) {
+        return Err(why);
     }
     let picture = decoder.decode(bytes).map_err(|error| error.to_string())?;
     let ImageGeometry { columns, rows, spacing, .. } = film.image;
-    if (picture.columns, picture.rows) != (columns, rows) {
-        return Err(format!(
-            "it has {} × {} pixels, but the film with the landmarks {columns} × {rows}",
-            picture.columns, picture.rows
-        ));
+    if let Some(why) = other_size((picture.columns, picture.rows), (columns, rows)) {
+        return Err(why);
     }
     let aspect = spacing.map_or(1.0, |spacing| spacing.aspect());
     Ok(picture.display(None, film.source.inverted).thumbnail(ROWS.min(rows), aspect).to_png())

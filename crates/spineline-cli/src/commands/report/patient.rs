@@ -33,7 +33,10 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
         return Err(Failure::interrupted());
     }
     print_notices(confidence.interruption(&analysis).as_slice());
-    let (pictures, hidden) = films::pictures(path, file, case, args.threads)?;
+    let (pictures, reasons) = films::pictures(path, file, case, args.threads)?;
+    let note = |why: &String| Notice::new(NoticeKind::Note, format!("{}.", sentence_case(why)));
+    let hidden: Vec<Notice> = reasons.iter().map(note).collect();
+    print_notices(&hidden);
     let json = AnalysisFile::new(&analysis, file.clone(), record.provenance_of(&source));
     let json = confidence.add_to(&analysis, json);
     let mut document = report(&Patient {
@@ -42,9 +45,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
         ..confidence.report(&analysis, case, &generator())
     });
     if let Some(films) = document.sections.iter_mut().find(|section| section.id == "films") {
-        for why in hidden {
-            films.notice(Notice::new(NoticeKind::Note, format!("{}.", sentence_case(&why))));
-        }
+        hidden.into_iter().for_each(|notice| films.notice(notice));
     }
     let provenance = record.provenance_of(&source);
     let report = write::Report { document: &document, stem: &stem, provenance: &provenance };
