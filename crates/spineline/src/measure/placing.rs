@@ -196,6 +196,21 @@ pub(super) fn in_all(
     CornerOrder::of(bodies).map(|order| fault(order).at(FilmPlace::reading(view, id)))
 }
 
+/// Where cranial is on a film, which may be held in any pose: the sum of the steps between the midpoints of the bodies, caudal first,
+/// each of length 1. A single misplaced body does not turn it.
+pub(super) fn cranial_of(midpoints: impl Iterator<Item = Frontal>) -> Frontal {
+    let midpoints: Vec<Frontal> = midpoints.collect();
+    midpoints.windows(2).fold(Frontal::default(), |sum, pair| {
+        let step = pair[1] - pair[0];
+        sum + step * (1.0 / step.norm_mm().max(f64::MIN_POSITIVE))
+    })
+}
+
+/// Whether a spine runs from the top of the picture to its bottom.
+pub(super) fn runs_down(cranial: Frontal) -> bool {
+    -cranial.z_mm > cranial.y_mm.abs()
+}
+
 /// Bodies that are upside down, and bodies whose sides are exchanged; an error where the film is mirrored.
 fn wrong_bodies(
     posture: Posture,
@@ -204,12 +219,7 @@ fn wrong_bodies(
     bodies: &[Body<'_>],
 ) -> Result<[(Vec<Level>, CornerFault); 2], MeasureError> {
     let (place, count) = (FilmPlace::reading(posture, &reading.id), bodies.len());
-    // The steps from body to body say where cranial is, so that a film may be held in any pose; a single
-    // misplaced body does not turn their sum.
-    let cranial = bodies.windows(2).fold(Frontal::default(), |sum, pair| {
-        let step = pair[1].centre - pair[0].centre;
-        sum + step * (1.0 / step.norm_mm().max(f64::MIN_POSITIVE))
-    });
+    let cranial = cranial_of(bodies.iter().map(|body| body.centre));
     let upside_down = |body: &Body<'_>| bodies.len() > 1 && !body.corners.points_along(cranial);
     let levels_where = |is_wrong: &dyn Fn(&Body<'_>) -> bool| -> Vec<Level> {
         bodies.iter().filter(|body| is_wrong(body)).map(|body| body.level).collect()
@@ -220,6 +230,9 @@ fn wrong_bodies(
         // Exchanged columns and rows mirror the spine too, and lay it across the film.
         if cranial.y_mm.abs() > cranial.z_mm.abs() && fits_exchanged(image, reading) {
             return Err(MeasureFault::AxesExchanged { count }.at(place));
+        }
+        if runs_down(cranial) {
+            return Err(MeasureFault::RowsFromBottom { count }.at(place));
         }
         return Err(MeasureFault::FilmMirrored { count }.at(place));
     }

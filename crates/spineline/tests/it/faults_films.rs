@@ -4,7 +4,8 @@ use std::mem::swap;
 use std::ops::RangeInclusive;
 
 use crate::common::{
-    case_of, exact_case, film_mut, graph_film, landmarks, landmarks_mut, refused, spacing,
+    case_of, exact_case, film_mut, graph_film, landmarks, landmarks_mut, move_places, refused,
+    spacing,
 };
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
@@ -352,5 +353,22 @@ fn a_film_whose_side_is_wrong_is_mirrored() {
         let error = refused_in_measure(&case, &[&posture.to_string(), "15", "patient_left"]);
         assert_eq!(error.at.film, posture.into());
         assert_eq!(error.fault, MeasureFault::FilmMirrored { count });
+    }
+}
+
+#[test]
+fn rows_that_count_from_the_bottom_do_not_blame_the_side() {
+    // Oracle: such rows turn the picture over, so the spine runs down it and its sides are exchanged.
+    for posture in Posture::ALL {
+        let mut case = exact_case(0);
+        let film = film_mut(&mut case, posture);
+        let (image, _, readings) = landmarks(film);
+        let (lowest, count) = (f64::from(image.rows) - 1.0, readings[0].vertebrae.len());
+        move_places(film, |place| Pixel::new(place.column_px, lowest - place.row_px));
+        let (film, rows) = (posture.to_string(), "rows count from the bottom");
+        let error = refused_in_measure(&case, &[&film, "15", rows, "upside down"]);
+        assert_eq!(error.at.film, posture.into());
+        assert_eq!(error.fault, MeasureFault::RowsFromBottom { count });
+        assert!(error.help().contains("height − 1 − row"), "{}", error.help());
     }
 }
