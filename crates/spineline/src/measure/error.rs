@@ -377,6 +377,14 @@ faults! {
             /// Vertebrae marked.
             count: usize,
         },
+        /// Anterior and posterior corners are exchanged in every vertebra of the lateral film.
+        #[error("anterior and posterior corners are exchanged in all {count} vertebrae, so the film is mirrored or its `patient_anterior` is wrong")]
+        #[code("film_mirrored")]
+        #[help("look on which side of the picture the patient's front is, then correct `patient_anterior` of this film's image")]
+        LateralMirrored {
+            /// Vertebrae marked.
+            count: usize,
+        },
         /// The spine runs down the picture of a film, with left and right, or front and back, exchanged in every vertebra.
         #[error("in all {count} vertebrae the superior corners lie below the inferior ones and the sides are exchanged, so rows count from the bottom, or the film is upside down")]
         #[code("rows_from_bottom")]

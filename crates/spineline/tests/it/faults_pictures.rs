@@ -207,19 +207,36 @@ fn the_models_spine_takes_the_profile_of_the_lateral_film() {
     assert!(depth(&analysis) > depth(&flat) + 1.0, "{} {}", depth(&analysis), depth(&flat));
 }
 
+/// A body under the names of the other side.
+fn sides_exchanged(body: &Corners<Pixel>) -> Corners<Pixel> {
+    let [front_up, back_up, front_down, back_down] = body.points();
+    Corners::from([back_up, front_up, back_down, front_down])
+}
+
 #[test]
 fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
     let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     film.image.patient_left = ImageSide::Right;
     let error = film.measure(&mut Warnings::default());
     let error = error.expect_err("the patient looks the other way");
-    assert!(
-        matches!(
-            (error.at.level, &error.fault),
-            (Some(Level::L4), MeasureFault::LateralCorners { fault: CornerFault::SidesExchanged })
-        ),
-        "{error:?}"
-    );
+    let mirrored = MeasureFault::LateralMirrored { count: 15 };
+    assert_eq!((error.at.level, &error.fault), (None, &mirrored));
+    assert!(error.to_string().contains("all 15 vertebrae"), "{error}");
+    assert!(error.help().contains("`patient_anterior`"), "{}", error.help());
+    // Rows from the bottom exchange the sides too.
+    let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
+    for body in film.readings[0].vertebrae.values_mut() {
+        *body = body.map(|place| Pixel::new(place.column_px, 5999.0 - place.row_px));
+    }
+    let error = film.measure(&mut Warnings::default()).expect_err("the spine runs down");
+    assert_eq!(error.fault, MeasureFault::RowsFromBottom { count: 15 });
+    // One exchanged vertebra is named by itself.
+    let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
+    let t7 = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
+    *t7 = sides_exchanged(t7);
+    let error = film.measure(&mut Warnings::default()).expect_err("front and back");
+    let fault = MeasureFault::LateralCorners { fault: CornerFault::SidesExchanged };
+    assert_eq!((error.at.level, error.fault), (Some(Level::T7), fault));
     let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     let t7 = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
     std::mem::swap(&mut t7.superior_left, &mut t7.inferior_left);

@@ -8,7 +8,7 @@ use super::bodies::ReadBodies;
 use super::film_checks::{check_observers, check_pixels};
 use super::lengths::FilmSizes;
 use super::order::{LevelStep, MIN_SPACING_SHARE};
-use super::placing::in_all;
+use super::placing::{cranial_of, in_all, runs_down};
 use super::plausibility::warn_of_corners;
 use super::{
     CornerFault, Corners, FilmPlace, ImageGeometry, MeasureError, MeasureFault, Placement, Reading,
@@ -44,6 +44,7 @@ impl LateralFilm {
         let bodies: Vec<ReadBodies<'_>> =
             self.readings.iter().map(|one| ReadBodies::of(one, body)).collect();
         for ReadBodies { id, bodies } in &bodies {
+            check_side(id, bodies)?;
             for (level, body) in bodies {
                 check_body(id, *level, body).map_err(|error| {
                     let all: Vec<_> = bodies.iter().map(|(_, body)| *body).collect();
@@ -89,6 +90,26 @@ impl LateralFilm {
         }
         Ok(())
     }
+}
+
+/// Refuses a reading in which front and back are exchanged in all bodies: the side of the film is wrong, and not the vertebrae.
+fn check_side(id: &ReadingId, bodies: &[(Level, Corners<Frontal>)]) -> Result<(), MeasureError> {
+    let count = bodies.len();
+    let cranial = cranial_of(bodies.iter().map(|(_, body)| body.centre()));
+    let is_exchanged = |body: &Corners<Frontal>| {
+        body.measure_location().is_ok() && body.points_along(cranial) && !body.sides_agree()
+    };
+    // A spine that lies across the picture has another fault.
+    let is_across = cranial.y_mm.abs() >= cranial.z_mm.abs();
+    if count < 2 || is_across || !bodies.iter().all(|(_, body)| is_exchanged(body)) {
+        return Ok(());
+    }
+    let fault = if runs_down(cranial) {
+        MeasureFault::RowsFromBottom { count }
+    } else {
+        MeasureFault::LateralMirrored { count }
+    };
+    Err(fault.at(FilmPlace::reading(FilmView::Lateral, id)))
 }
 
 /// Refuses corners that make no body, or one that lies the wrong way round.
