@@ -115,6 +115,8 @@ warning_codes! {
         LateralHeightsDiffer = "lateral_heights_differ": Warning;
         /// The lateral film does not show every joint.
         LateralIncomplete = "lateral_incomplete": Warning;
+        /// The thoracic spine is lordotic and the lumbar one kyphotic on the lateral film, as where front and back are exchanged.
+        LateralLooksMirrored = "lateral_looks_mirrored": Warning;
         /// The lateral film shows no joint of the erect film.
         LateralNotMarked = "lateral_not_marked": Warning;
         /// The lateral film is turned against the erect film.

@@ -249,6 +249,34 @@ fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
 }
 
 #[test]
+fn a_lateral_film_with_front_and_back_exchanged_is_doubted() {
+    let doubts = |film: &LateralFilm| {
+        let mut warnings = Warnings::default();
+        assert!(film.measure(&mut warnings).is_ok());
+        warnings
+    };
+    let exchanged = |profile: &SagittalProfile| {
+        let mut film = lateral(profile, ImageSide::Left, 0.1, 0.1);
+        assert!(doubts(&film).all().is_empty(), "{:?}", doubts(&film));
+        film.image.patient_left = ImageSide::Right;
+        film.readings[0].vertebrae.values_mut().for_each(|body| *body = sides_exchanged(body));
+        film
+    };
+    // Oracle: the profile by which the film is made, T5 to T12 and L1 to L4, with the other sign.
+    let profile = SagittalProfile::template(40.0, 43.0);
+    let warnings = doubts(&exchanged(&profile));
+    let [warning] = warnings.all() else { panic!("{warnings:?}") };
+    assert_eq!(warning.code, WarningCode::LateralLooksMirrored);
+    let text = &warning.message;
+    for words in ["lateral film", "40° from T12 to T5", "25° from L4 to L1", "`patient_anterior`"]
+    {
+        assert!(text.contains(words), "{text}");
+    }
+    // A flat thoracic spine of scoliosis says nothing about the side.
+    assert!(doubts(&exchanged(&SagittalProfile::template(5.0, 43.0))).all().is_empty());
+}
+
+#[test]
 fn a_lateral_film_is_refused_for_what_a_frontal_one_is() {
     let good = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     let refused = |change: &dyn Fn(&mut LateralFilm)| {

@@ -15,8 +15,12 @@ use super::{
     ReadingId,
 };
 use crate::anatomy::{FilmView, Level};
-use crate::spatial::{Frontal, Pixel};
-use crate::warning::Warnings;
+use crate::spatial::{Angle, Frontal, Pixel};
+use crate::warning::{WarningCode, Warnings};
+
+/// Angle by which the thoracic spine must be lordotic, and the lumbar one kyphotic, before front and back are doubted. A flat or slightly
+/// reversed part alone is usual in scoliosis (assumption).
+const MIN_REVERSED: Angle = Angle::from_deg(10.0);
 
 /// A film from the side, of the standing patient, with the patient's front where a frontal film has the left.
 ///
@@ -62,7 +66,9 @@ impl LateralFilm {
         for (code, text) in sizes.doubts() {
             FilmView::Lateral.warn_of_film(code, text, warnings);
         }
-        Ok(LateralOutline::of(&bodies, has_scale, self.simultaneous))
+        let outline = LateralOutline::of(&bodies, has_scale, self.simultaneous);
+        warn_of_reversed_curves(&outline, warnings);
+        Ok(outline)
     }
 
     /// What a frontal film is refused for too: observers, spacing, and landmarks outside of the picture.
@@ -122,6 +128,28 @@ fn check_body(id: &ReadingId, level: Level, body: &Corners<Frontal>) -> Result<(
         Ok(_) if !body.sides_agree() => fault(CornerFault::SidesExchanged),
         Ok(_) => Ok(()),
     }
+}
+
+/// Warns where both curves of the side view are reversed, as where front and back of the whole film are exchanged.
+fn warn_of_reversed_curves(outline: &LateralOutline, warnings: &mut Warnings) {
+    // The turn of the film adds the same to all pitches.
+    let flexion = |lowest: Level, highest: Level| {
+        let mut marked =
+            outline.vertebrae.iter().filter(|one| (lowest..=highest).contains(&one.level));
+        let (low, high) = (marked.next()?, marked.next_back()?);
+        let part = format!("from {} to {}", low.level, high.level);
+        Some((part, (high.pitch - low.pitch).wrapped()))
+    };
+    let thoracic = flexion(Level::T12, Level::T5).filter(|(_, angle)| -*angle > MIN_REVERSED);
+    let lumbar = flexion(Level::L5, Level::L1).filter(|(_, angle)| *angle > MIN_REVERSED);
+    let Some(((thoracic, lordosis), (lumbar, kyphosis))) = thoracic.zip(lumbar) else { return };
+    let text = format!(
+        "the spine is lordotic by {} {thoracic} and kyphotic by {} {lumbar} (limit {} each): front and back may be exchanged; check `patient_anterior` and the labels",
+        lordosis.abs().text(0),
+        kyphosis.text(0),
+        MIN_REVERSED.text(0)
+    );
+    FilmView::Lateral.warn_of_film(WarningCode::LateralLooksMirrored, text, warnings);
 }
 
 /// Every vertebra lies above the next lower one, along the axes of both.
