@@ -26,6 +26,7 @@ pub fn summary(found: &[QuantityReliability], synthetic: bool, generator: &str) 
             |reason| format!("The reliability is not known: {reason}."),
         ));
     }
+    note_copies(&mut section, found);
     section.paragraph("All statistics and designs: --full.");
     document(section, found.len(), synthetic, generator)
 }
@@ -40,6 +41,7 @@ pub fn full(found: &[QuantityReliability], synthetic: bool, generator: &str) -> 
             add_design(&mut section, design, &quantity.unit);
         }
     }
+    note_copies(&mut section, found);
     section.notice(Notice::new(NoticeKind::Note, NOTE));
     document(section, found.len(), synthetic, generator)
 }
@@ -92,11 +94,23 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
         add.numbers("r", |(_, design)| value(design, StatisticKind::Pearson));
     });
     table.note = format!("MDC95: smallest real change of one reading. r: Pearson. {NOTE}");
-    let mut remarks = found.iter().flat_map(|one| &one.designs).flat_map(|one| &one.remarks);
+    let mut remarks = remarks_of(found);
     if let Some(left_out) = remarks.find(|remark| matches!(remark, Remark::InPixels { .. })) {
         table.note.push_str(&format!(" {left_out}."));
     }
     table
+}
+
+fn remarks_of(found: &[QuantityReliability]) -> impl Iterator<Item = &Remark> {
+    found.iter().flat_map(|one| &one.designs).flat_map(|one| &one.remarks)
+}
+
+/// Names the readings that are copies of others: the numbers lack them, and may be missing for this reason.
+pub(crate) fn note_copies(section: &mut Section, found: &[QuantityReliability]) {
+    let copied = remarks_of(found).find(|remark| matches!(remark, Remark::Copied { .. }));
+    if let Some(copied) = copied {
+        section.notice(Notice::new(NoticeKind::Warning, format!("{copied}.")));
+    }
 }
 
 fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {
@@ -124,7 +138,8 @@ fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {
         table.rows.extend(agreement_rows(pair, unit));
     }
     section.table(table);
-    for remark in &design.remarks {
+    // Copies are named once for all designs.
+    for remark in design.remarks.iter().filter(|one| !matches!(one, Remark::Copied { .. })) {
         section.notice(Notice::new(NoticeKind::Note, format!("{remark}.")));
     }
 }

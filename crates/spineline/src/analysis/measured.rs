@@ -1,5 +1,7 @@
 //! Step 1: the readings and the outlines of all films.
 
+use std::borrow::Cow;
+
 use super::Case;
 use super::checks::{
     check_age, check_outlines, check_postures, warn_of_length, warn_of_shifted_levels,
@@ -32,11 +34,13 @@ pub(super) fn measure(
 ) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
     check_age(case.subject.age_years)?;
     check_postures(&case.films)?;
-    let mut films: Vec<&Film> = case.films.iter().collect();
-    films.sort_by_key(|film| film.posture);
-    warnings.check_films(films.iter().filter(|film| film.checked).map(|film| film.posture));
+    let mut marked: Vec<&Film> = case.films.iter().collect();
+    marked.sort_by_key(|film| film.posture);
+    warnings.check_films(marked.iter().filter(|film| film.checked).map(|film| film.posture));
     let measure = |film: &&Film| FilmReadings::measure(film, tilt);
-    let readings: Vec<FilmReadings> = films.iter().map(measure).collect::<Result<_, _>>()?;
+    let readings: Vec<FilmReadings> = marked.iter().map(measure).collect::<Result<_, _>>()?;
+    let once: Vec<Cow<'_, Film>> = marked.iter().map(|film| film.with_copies_as_one()).collect();
+    let films: Vec<&Film> = once.iter().map(|film| &**film).collect();
     let seen: Vec<_> =
         readings.iter().map(|film| (film.posture, seen_levels(&film.readings))).collect();
     let levels = common_levels(&seen)?;
@@ -45,11 +49,11 @@ pub(super) fn measure(
     let reports_doubts = replicated.is_none();
     let mut held = replicated.iter().flat_map(|held| held.noise);
     let mut outlines = Vec::new();
-    for (film, measured) in films.iter().zip(&readings) {
+    for ((film, marked), measured) in films.iter().zip(&marked).zip(&readings) {
         let noise = held.next().map(|noise| noise.film);
         outlines.push(outline_of(film, &measured.readings, levels, tilt, noise, warnings)?);
         if reports_doubts {
-            warn_of_implausible_landmarks(film, warnings);
+            warn_of_implausible_landmarks(marked, warnings);
         }
     }
     if let Some(held) = replicated {
@@ -103,8 +107,8 @@ pub(super) fn is_read_once(films: &[FilmReadings]) -> bool {
 ///
 /// A vertebra with axial rotation looks narrower or wider by its depth: by 1 % at 20° where it is a tenth wider than deep.
 pub(super) fn widths_mm(case: &Case, erect: &Outline) -> Vec<Option<f64>> {
-    let film = case.film(Posture::Erect);
-    let widths = film.map(|film| body_widths(film, erect.levels())).unwrap_or_default();
+    let film = case.film(Posture::Erect).map(Film::with_copies_as_one);
+    let widths = film.map(|film| body_widths(&film, erect.levels())).unwrap_or_default();
     let per_mm = erect.scale.pixels_per_mm.unwrap_or(1.0);
     let own = |(vertebra, width): (&MeasuredVertebra, Option<f64>)| {
         width.filter(|_| vertebra.program.is_none()).map(|width| width / per_mm)

@@ -14,7 +14,7 @@ use crate::curve::{
 };
 use crate::error::{CaseError, Error};
 use crate::measure::{
-    AxialRotation, FilmReadings, LengthScale, Outline, SpatialOutline, axial_rotations,
+    AxialRotation, Film, FilmReadings, LengthScale, Outline, SpatialOutline, axial_rotations,
 };
 use crate::motion::{Motion, SegmentEstimate, least_windows, mean_least};
 use crate::multibody::{FittedSprings, JointGroups, SpineModel, StiffnessLibrary};
@@ -340,7 +340,8 @@ fn unloaded_spine(
     erect: &Outline,
     warnings: &mut Warnings,
 ) -> Result<UnloadedSpine, Error> {
-    let film = case.film(Posture::Erect);
+    let once = case.film(Posture::Erect).map(Film::with_copies_as_one);
+    let film = once.as_deref();
     let space = match film.zip(case.lateral.as_ref()) {
         Some((film, lateral)) => SpatialOutline::measure(film, erect, lateral, warnings)?,
         None => None,

@@ -10,9 +10,10 @@ use super::means::average;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated, warn_of_source};
 use super::placing::{program_corners, warn_of_unusable_ends};
 use super::{
-    AmplitudeEnds, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, LengthScale,
-    MeasureError, MeasureFault, MeasuredVertebra, Noise, Outline, Placement, Reading, SharedErrors,
-    SpacingPlane, TiltRule, common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
+    AmplitudeEnds, Film, FilmLandmarks, FilmLength, FilmReadings, IliacCrests, ImageGeometry,
+    LengthScale, MeasureError, MeasureFault, MeasuredVertebra, Noise, Outline, Placement, Reading,
+    SharedErrors, SpacingPlane, TiltRule, common_levels, measure_readings, seen_levels,
+    warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Morphometry, Posture};
 use crate::number::fixed;
@@ -49,11 +50,12 @@ pub fn measure_film(
     rule: TiltRule,
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
-    let readings = measure_readings(film, rule)?;
+    let FilmReadings { readings, .. } = FilmReadings::measure(film, rule)?;
+    film.warn_of_copies(warnings);
     let seen = [(film.posture, seen_levels(&readings))];
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
-    outline_of(film, &readings, levels, rule, None, warnings)
+    outline_of(&film.with_copies_as_one(), &readings, levels, rule, None, warnings)
 }
 
 /// The outline of a film whose readings were measured before; its base and its top are marked. Its noise comes from the

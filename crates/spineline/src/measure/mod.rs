@@ -16,6 +16,7 @@ mod axial;
 mod bodies;
 pub mod completion;
 mod confidence;
+mod copies;
 mod corner_order;
 mod corners;
 mod error;

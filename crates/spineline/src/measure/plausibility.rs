@@ -2,6 +2,7 @@
 
 use super::bodies::{ReadBodies, median};
 use super::confidence::warn_of_confidence;
+use super::copies::MIN_SAME;
 use super::lengths::warn_of_lengths;
 use super::neighbours::warn_of_corners_off_the_trend;
 use super::readings_apart::warn_of_readings_apart;
@@ -32,9 +33,6 @@ const MIN_OUTLIER_SHARE: f64 = 0.15;
 /// Angle between an axis turned by hand and the axis of the corners, above which one of them is doubted. Far above the
 /// deviation of either (assumption).
 const MAX_AXIS_DIFFERENCE: Angle = Angle::from_deg(30.0);
-
-/// Vertebrae from which equal coordinates on two films are not a coincidence.
-const MIN_SAME: usize = 2;
 
 /// Whether a reading of one film has the landmarks or placements of a reading of the other one, whoever is named as its
 /// observer.
@@ -72,9 +70,10 @@ pub(super) fn fits_exchanged(image: &ImageGeometry, reading: &Reading<VertebraLa
         && bodies.iter().all(|body| body.sides_agree() && body.points_along(upright))
 }
 
-/// Warnings about the corners and lengths of a frontal film.
+/// Warnings about the readings, corners and lengths of a frontal film.
 pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings) {
     warn_of_corners(film.posture.into(), &ReadBodies::of_film(film), warnings);
+    film.warn_of_copies(warnings);
     warn_of_lengths(film, warnings);
     warn_of_rounding(film, warnings);
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };

@@ -1,9 +1,11 @@
+use std::borrow::Cow;
+
 use super::film_checks::{check_placements, check_readings, check_spacing};
 use super::placing::place;
 use super::tilts::check_tilts;
 use super::{
-    Film, FilmLandmarks, MeasureError, Placement, Reading, SpacingPlane, TiltRule, alike_observers,
-    alike_words,
+    Film, FilmLandmarks, MeasureError, Placement, Reading, ReadingId, SpacingPlane, TiltRule,
+    alike_observers, alike_words,
 };
 use crate::anatomy::Posture;
 use crate::warning::{WarningCode, Warnings};
@@ -15,8 +17,10 @@ pub struct FilmReadings {
     pub posture: Posture,
     /// Unit of the lengths.
     pub length_unit: String,
-    /// Midpoints and tilts, all in one frame of the film; by observer and repeat, whatever order the film had.
+    /// Midpoints and tilts, all in one frame of the film; by observer and repeat, whatever order the film had. Copies count once.
     pub readings: Vec<Reading<Placement>>,
+    /// Readings with the landmarks of another one of this film, which count with that one.
+    pub copied: Vec<ReadingId>,
 }
 
 impl FilmReadings {
@@ -32,8 +36,16 @@ impl FilmReadings {
             FilmLandmarks::Placements { spacing_plane, .. } => *spacing_plane,
         };
         let mut readings = measure_readings(film, rule)?;
+        let mut copied = Vec::new();
+        if let Cow::Owned(once) = film.with_copies_as_one() {
+            readings = measure_readings(&once, rule)?;
+            let kept = once.landmarks.reading_ids();
+            let all = film.landmarks.reading_ids().into_iter();
+            copied = all.filter(|id| !kept.contains(id)).cloned().collect();
+        }
         readings.sort_by(|a, b| a.id.cmp(&b.id));
-        Ok(Self { posture: film.posture, length_unit: plane.unit().to_owned(), readings })
+        copied.sort();
+        Ok(Self { posture: film.posture, length_unit: plane.unit().to_owned(), readings, copied })
     }
 }
 

@@ -65,6 +65,8 @@ pub struct FilmQuantities {
     films_in_pixels: BTreeSet<String>,
     /// Units of the other films.
     length_units: BTreeSet<String>,
+    /// Readings with the landmarks of another one.
+    copied: BTreeSet<String>,
 }
 
 impl Default for FilmQuantities {
@@ -76,6 +78,7 @@ impl Default for FilmQuantities {
             in_pixels: lengths,
             films_in_pixels: BTreeSet::new(),
             length_units: BTreeSet::new(),
+            copied: BTreeSet::new(),
         }
     }
 }
@@ -91,6 +94,8 @@ impl FilmQuantities {
             } else if !self.length_units.contains(&film.length_unit) {
                 self.length_units.insert(film.length_unit.clone());
             }
+            let copied = film.copied.iter();
+            self.copied.extend(copied.map(|id| format!("{case} ({}), {id}", film.posture)));
             let place = format!("{case}/{}/", film.posture.key());
             let references = references(&film.readings);
             for reading in &film.readings {
@@ -132,6 +137,8 @@ impl FilmQuantities {
             (Some(one), None) => one,
             _ => "mm (planes differ)".to_owned(),
         };
+        let copied: Vec<String> = self.copied.into_iter().collect();
+        self.all.iter_mut().for_each(|quantity| quantity.copied.clone_from(&copied));
         let left_out: Vec<String> = self.films_in_pixels.into_iter().collect();
         for quantity in &mut self.all[..LENGTHS.len()] {
             quantity.unit.clone_from(&unit);

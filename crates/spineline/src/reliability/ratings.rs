@@ -19,6 +19,8 @@ pub struct RatedQuantity {
     pub not_reviewed: usize,
     /// Readings of a vertebra with corners that a reader accepted from a program.
     pub accepted: usize,
+    /// Readings that were left out, since they have the landmarks of another one of their film.
+    pub copied: Vec<String>,
     /// Films in pixels whose lengths were left out beside millimetres.
     pub left_out_in_pixels: Vec<String>,
     /// Readers by number; a cohort has millions of readings by a few of them.
@@ -65,6 +67,7 @@ impl RatedQuantity {
             meaning: meaning.into(),
             not_reviewed: 0,
             accepted: 0,
+            copied: Vec::new(),
             left_out_in_pixels: Vec::new(),
             readers: BTreeMap::new(),
             parts: BTreeMap::new(),

@@ -95,6 +95,16 @@ pub enum Remark {
         /// Readings of a vertebra.
         readings: usize,
     },
+    /// Readings with the landmarks of another one of their film are left out.
+    #[error(
+        "{} with the same landmarks as another one of the film left out, since copies do not show the errors of readers: {}",
+        counted(readings.len(), "reading"),
+        first_named(readings.iter().cloned(), readings.len())
+    )]
+    Copied {
+        /// The readings.
+        readings: Vec<String>,
+    },
     /// Films in pixels are left out of lengths in millimetres.
     #[error(
         "{} in pixels left out of lengths: {}",
@@ -122,6 +132,7 @@ impl Remark {
             Self::TwoSubjects => "two_subjects",
             Self::NotReviewed { .. } => "not_reviewed",
             Self::Accepted { .. } => "accepted",
+            Self::Copied { .. } => "copied",
             Self::InPixels { .. } => "in_pixels",
         }
     }
@@ -279,6 +290,9 @@ fn remarks(
     }
     if quantity.accepted > 0 {
         remarks.push(Remark::Accepted { readings: quantity.accepted });
+    }
+    if !quantity.copied.is_empty() {
+        remarks.push(Remark::Copied { readings: quantity.copied.clone() });
     }
     if !quantity.left_out_in_pixels.is_empty() {
         remarks.push(Remark::InPixels { films: quantity.left_out_in_pixels.clone() });

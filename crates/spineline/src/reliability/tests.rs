@@ -304,7 +304,7 @@ fn film(program: Option<ProgramNoise>) -> FilmReadings {
         Reading { id: ReadingId::new(observer, 1), vertebrae: vertebrae.collect() }
     });
     let (posture, length_unit) = (Posture::Erect, "mm".to_owned());
-    FilmReadings { posture, length_unit, readings: readings.to_vec() }
+    FilmReadings { posture, length_unit, readings: readings.to_vec(), copied: Vec::new() }
 }
 
 #[test]
@@ -328,6 +328,23 @@ fn films_in_pixels_count_in_angles_and_not_beside_millimetres() {
     let [(unit, subjects, remarks), _] = assessed(&[bend]);
     assert_eq!((&unit[..], subjects), ("pixels", 14));
     assert!(!remarks.iter().any(|remark| matches!(remark, Remark::InPixels { .. })));
+}
+
+#[test]
+fn copied_readings_are_named_and_left_out() {
+    let mut one = film(None);
+    one.readings.truncate(1);
+    one.copied = vec![ReadingId::new("B", 1)];
+    // A case that is given twice names its copies once.
+    let films = [one];
+    let found = film_quantities(&[("P1", &films), ("P1", &films)]);
+    for quantity in found.iter().map(assess) {
+        for design in &quantity.designs {
+            let copied = Remark::Copied { readings: vec!["P1 (erect), B (repeat 1)".to_owned()] };
+            assert!(design.remarks.contains(&copied), "{:?}", design.remarks);
+            assert!(design.statistics.iter().all(|one| one.outcome.is_err()));
+        }
+    }
 }
 
 #[test]

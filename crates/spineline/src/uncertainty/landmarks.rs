@@ -120,6 +120,8 @@ impl NoisyCase {
         let mut case = case.clone();
         case.films.sort_by_key(|film| film.posture);
         for film in &mut case.films {
+            // A copy moves with its original.
+            *film = film.with_copies_as_one().into_owned();
             match &mut film.landmarks {
                 FilmLandmarks::Corners { readings, .. } => readings.sort_by(|a, b| a.id.cmp(&b.id)),
                 FilmLandmarks::Placements { readings, .. } => {
@@ -128,6 +130,7 @@ impl NoisyCase {
             }
         }
         if let Some(lateral) = &mut case.lateral {
+            *lateral = lateral.with_copies_as_one();
             lateral.readings.sort_by(|a, b| a.id.cmp(&b.id));
         }
         let program: Vec<_> = case.films.iter().map(program_corners).collect();

@@ -147,6 +147,8 @@ warning_codes! {
         PictureDiffers = "picture_differs": Warning, OfPicture;
         /// Two readings of a film place its vertebrae far apart.
         ReadingsApart = "readings_apart": Warning;
+        /// Two readings of a film have the same landmarks, and count as one.
+        ReadingsCopied = "readings_copied": Warning;
         /// Some readings of a film lack a vertebra that others have.
         ReadingsIncomplete = "readings_incomplete": Warning;
         /// Every film was read once, so that the reliability of the readings is not known.

@@ -2,13 +2,13 @@
 
 use crate::common::{
     all_landmarks, analyzed, exact_case, film_mut, landmarks, landmarks_mut, mirrored, move_places,
-    on_a_table, refused, spacing,
+    on_a_table, refused, spacing, warned,
 };
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
-    Film, FilmLandmarks, Reading, ReadingId, SpacingPlane, TiltRule, VertebraLandmarks,
-    judge_landmarks, judge_reading,
+    Corners, Film, FilmLandmarks, FilmReadings, Noise, Origin, Reading, ReadingId, SpacingPlane,
+    TiltRule, VertebraLandmarks, judge_landmarks, judge_reading,
 };
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::WarningCode;
@@ -211,7 +211,10 @@ fn readings_that_name_the_vertebrae_one_level_apart_doubt_the_film() {
         let names = |(&level, landmark): (&Level, &VertebraLandmarks)| {
             let place = Level::ALL.iter().position(|one| *one == level)?;
             let name = Level::ALL.get(place.checked_add_signed(by)?)?;
-            Some((*name, *landmark))
+            // Equal readings would be copies.
+            let moved = |place: Pixel| Pixel::new(place.column_px + 1.0, place.row_px);
+            let corners = landmark.corners.map(moved);
+            Some((*name, VertebraLandmarks { corners, ..*landmark }))
         };
         let vertebrae = all[0].vertebrae.iter().filter_map(names).collect();
         all.push(Reading { id: ReadingId::new("B", 1), vertebrae });
@@ -248,6 +251,96 @@ fn readings_that_are_far_apart_are_reported() {
     let found = judge_landmarks(erect(&case));
     assert!(found.has(WarningCode::ReadingsApart), "{:?}", found.all());
     assert!(!found.has(WarningCode::LevelsMayBeShifted));
+}
+
+/// The case with a second reading of every film: the first one, changed.
+fn read_again(case: &Case, change: impl Fn(&mut Reading<VertebraLandmarks>)) -> Case {
+    let mut case = case.clone();
+    for film in &mut case.films {
+        let (_, _, all) = landmarks(film);
+        let mut other = Reading { id: ReadingId::new("Z", 1), ..all[0].clone() };
+        change(&mut other);
+        all.insert(0, other);
+    }
+    case
+}
+
+fn move_by(reading: &mut Reading<VertebraLandmarks>, columns: f64) {
+    let moved = |place: Pixel| Pixel::new(place.column_px + columns, place.row_px);
+    reading.vertebrae.values_mut().for_each(|mark| mark.corners = mark.corners.map(moved));
+}
+
+#[test]
+fn a_copied_reading_counts_once_and_its_noise_is_not_measured() {
+    // Oracle: the same case without the copy.
+    for case in variants() {
+        let alone = analyzed(&case, &on_a_table());
+        assert!(!alone.warnings.has(WarningCode::ReadingsCopied));
+        // As it was, and as another format rounds it.
+        for columns in [0.0, 0.004] {
+            let copied = read_again(&case, |reading| move_by(reading, columns));
+            let found = analyzed(&copied, &on_a_table());
+            for (film, alone) in found.movement.films.iter().zip(&alone.movement.films) {
+                assert_eq!(film.outline, alone.outline);
+                assert_eq!((film.outline.noise, film.outline.readings), (Noise::ONE_READING, 1));
+                let posture = film.outline.posture;
+                let text = &warned(&found, WarningCode::ReadingsCopied, Some(posture)).message;
+                assert!(text.contains("A (repeat 1), Z (repeat 1)"), "{text}");
+            }
+            assert!(found.warnings.has(WarningCode::ReliabilityOneReading));
+            assert!(found.reliability().is_empty());
+        }
+        // A reader who places the vertebrae again does not meet one of them within 0.01 pixels.
+        let again = read_again(&case, |reading| move_by(reading, 0.5));
+        let found = analyzed(&again, &on_a_table());
+        assert!(!found.warnings.has(WarningCode::ReadingsCopied));
+        assert!(found.movement.erect().outline.noise.is_measured());
+        assert_eq!(found.movement.erect().outline.readings, 2);
+    }
+}
+
+#[test]
+fn a_copy_keeps_its_own_vertebrae_and_one_moved_vertebra_makes_another_reading() {
+    let case = exact_case(0);
+    // The original lacks T2, and the copy L4.
+    let mut parted = read_again(&case, |reading| {
+        reading.vertebrae.remove(&Level::L4);
+    });
+    for film in &mut parted.films {
+        landmarks(film).2[1].vertebrae.remove(&Level::T2);
+    }
+    let [whole, parted] = [&case, &parted].map(|case| analyzed(case, &on_a_table()));
+    assert_eq!(parted.movement.erect().outline, whole.movement.erect().outline);
+    assert!(!parted.warnings.has(WarningCode::ReadingsIncomplete));
+    let moved = read_again(&case, |reading| {
+        let corners = &mut reading.vertebrae.get_mut(&Level::T8).expect("marked").corners;
+        corners.superior_left.row_px += 0.1;
+    });
+    assert!(!judge_landmarks(erect(&moved)).has(WarningCode::ReadingsCopied));
+    // Readers who accept a program's corners have the same ones.
+    let accepted = read_again(&case, |reading| {
+        let origins = Corners::all(Origin::Accepted);
+        reading.vertebrae.values_mut().for_each(|mark| mark.origins = origins);
+    });
+    assert!(!judge_landmarks(erect(&accepted)).has(WarningCode::ReadingsCopied));
+}
+
+#[test]
+fn copies_are_left_out_of_reliability_with_and_without_corners() {
+    let case = read_again(&exact_case(0), |_| {});
+    let rule = TiltRule::default();
+    let film = erect(&case);
+    let both = spineline::measure::measure_readings(film, rule).expect("a sound film");
+    let placed = Film { landmarks: FilmLandmarks::placed(SpacingPlane::Patient, both), ..*film };
+    for film in [film, &placed] {
+        let found = FilmReadings::measure(film, rule).expect("a sound film");
+        let ids: Vec<&ReadingId> = found.readings.iter().map(|reading| &reading.id).collect();
+        assert_eq!(ids, [&ReadingId::new("A", 1)]);
+        assert_eq!(found.copied, [ReadingId::new("Z", 1)]);
+    }
+    // Two readings of one name are refused, whether they are copies or not.
+    let twice = read_again(&exact_case(0), |reading| reading.id = ReadingId::new("A", 1));
+    assert_eq!(refused(&twice).code(), "duplicate_reading");
 }
 
 #[test]

@@ -277,6 +277,35 @@ fn a_lateral_film_with_front_and_back_exchanged_is_doubted() {
 }
 
 #[test]
+fn a_copied_reading_of_a_lateral_film_counts_once() {
+    let one = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
+    let with_second = |columns: f64| {
+        let mut film = one.clone();
+        let mut other = Reading { id: ReadingId::new("B", 1), ..film.readings[0].clone() };
+        for body in other.vertebrae.values_mut() {
+            *body = body.map(|place| Pixel::new(place.column_px + columns, place.row_px));
+        }
+        film.readings.push(other);
+        film
+    };
+    let mut warnings = Warnings::default();
+    let alone = one.measure(&mut warnings).expect("a good film");
+    assert_eq!((alone.corner_sd, warnings.all().len()), (None, 0));
+    assert_eq!(with_second(0.004).measure(&mut warnings), Ok(alone));
+    let [warning] = warnings.all() else { panic!("{warnings:?}") };
+    assert_eq!(warning.code, WarningCode::ReadingsCopied);
+    let text = &warning.message;
+    let is_named = ["lateral film", "A (repeat 1)", "B (repeat 1)"].map(|one| text.contains(one));
+    assert_eq!(is_named, [true; 3], "{text}");
+    // Another reading shows the noise: a difference of 1 mm in one of two directions is a variance of 0.25 mm² of one reading, and half of
+    // it of the mean.
+    let mut warnings = Warnings::default();
+    let both = with_second(10.0).measure(&mut warnings).expect("a good film");
+    assert!(warnings.all().is_empty(), "{warnings:?}");
+    assert_near(both.corner_sd.expect("read twice"), 0.125_f64.sqrt(), 1e-9, "corner");
+}
+
+#[test]
 fn a_lateral_film_is_refused_for_what_a_frontal_one_is() {
     let good = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     let refused = |change: &dyn Fn(&mut LateralFilm)| {

@@ -2,9 +2,9 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture, Region};
-use spineline::measure::{Corners, FilmLandmarks, Placement, Reading, SpacingPlane};
+use spineline::measure::{Corners, FilmLandmarks, Placement, Reading, ReadingId, SpacingPlane};
 use spineline::personalize::StiffnessBound;
-use spineline::spatial::{Angle, Frontal};
+use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::uncertainty::{
     Absent, LandmarkNoise, MonteCarlo, NoiseSource, QuantityKind, QuantitySpread, Replicate,
     Spread, Uncertainty, UncertaintyError, VertebraNoise,
@@ -250,6 +250,9 @@ fn the_standard_deviation_of_a_mean_decreases_with_the_root_of_n() {
         for repeat in 2..=4 {
             let mut again = readings[0].clone();
             again.id.repeat = repeat;
+            // Equal readings would count as one; this moves the whole spine.
+            let moved = |p: Pixel| Pixel::new(p.column_px + f64::from(repeat), p.row_px);
+            again.vertebrae.values_mut().for_each(|mark| mark.corners = mark.corners.map(moved));
             readings.push(again);
         }
     }
@@ -260,6 +263,28 @@ fn the_standard_deviation_of_a_mean_decreases_with_the_root_of_n() {
     };
     let ratio = sd(&one) / sd(&four);
     assert!((ratio / 2.0 - 1.0).abs() < 0.12, "{ratio}");
+}
+
+#[test]
+fn copied_readings_do_not_lower_the_noise() {
+    // Oracle: the same case without the copies.
+    let alone = erect(case(2, Scenario::Rod, &Readers::exact()));
+    let mut copied = alone.clone();
+    if let FilmLandmarks::Corners { readings, .. } = &mut copied.films[0].landmarks {
+        for repeat in 2..=4 {
+            readings.push(Reading { id: ReadingId::new("A", repeat), ..readings[0].clone() });
+        }
+    }
+    for noise in [LandmarkNoise::Measured, LandmarkNoise::Pixels(2.0)] {
+        let [one, four] = [&alone, &copied].map(|case| {
+            let nominal = analyzed(case);
+            let found = MonteCarlo::new(case, &nominal, noise, 7).expect("sound noise");
+            [0, 1, 2].map(|index| found.replicate(index))
+        });
+        assert_eq!(one, four);
+        let [one, four] = [&alone, &copied].map(|case| run(case, noise, 7, 1).noise);
+        assert_eq!(one, four);
+    }
 }
 
 #[test]

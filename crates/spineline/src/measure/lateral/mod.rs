@@ -5,6 +5,7 @@ mod outline;
 pub use outline::{LateralOutline, LateralVertebra};
 
 use super::bodies::ReadBodies;
+use super::copies::{as_one, warn_of_copies};
 use super::film_checks::{check_observers, check_pixels};
 use super::lengths::FilmSizes;
 use super::order::{LevelStep, MIN_SPACING_SHARE};
@@ -63,12 +64,20 @@ impl LateralFilm {
             return Err(MeasureFault::Length { size }.at(FilmView::Lateral));
         }
         warn_of_corners(FilmView::Lateral, &bodies, warnings);
+        warn_of_copies(FilmView::Lateral, &self.readings, warnings);
         for (code, text) in sizes.doubts() {
             FilmView::Lateral.warn_of_film(code, text, warnings);
         }
+        let once = as_one(&self.readings);
+        let bodies: Vec<_> = once.iter().map(|one| ReadBodies::of(one, body)).collect();
         let outline = LateralOutline::of(&bodies, has_scale, self.simultaneous);
         warn_of_reversed_curves(&outline, warnings);
         Ok(outline)
+    }
+
+    /// This film, where an original and its copies are one reading.
+    pub(crate) fn with_copies_as_one(&self) -> Self {
+        Self { readings: as_one(&self.readings).into_owned(), ..*self }
     }
 
     /// What a frontal film is refused for too: observers, spacing, and landmarks outside of the picture.

@@ -52,6 +52,8 @@ impl SharedHeights {
     /// # Errors
     /// [`MeasureError`] of either film.
     pub fn of(erect: &Film, lateral: &LateralFilm) -> Result<Option<Self>, MeasureError> {
+        let once = erect.with_copies_as_one();
+        let erect = &*once;
         let FilmLandmarks::Corners { image, .. } = &erect.landmarks else { return Ok(None) };
         let bodies = ReadBodies::of_film(erect);
         let assumed = assumed_corner_sd(image, &bodies);
