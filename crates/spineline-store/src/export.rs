@@ -14,6 +14,7 @@ use crate::error::StoreError;
 use crate::films::{self, FilmRecord};
 use crate::journal;
 use crate::names::{Name, ReadingId, Signature};
+use crate::options;
 use crate::readings;
 use crate::state::ReadingState;
 use crate::withdrawals::{Withdrawal, WithdrawalCause};
@@ -57,6 +58,14 @@ pub enum ExportRemark {
         /// Reading.
         reading: ReadingId,
     },
+    /// Model options of the study; a case has no place for them.
+    #[error(
+        "the study has model options, which are not in the case: analyze it with `{arguments}` for the results of the study"
+    )]
+    ModelOptions {
+        /// The options as the command line takes them.
+        arguments: String,
+    },
 }
 
 fn withdrawn_words(Withdrawal { who, at, cause }: &Withdrawal) -> String {
@@ -69,8 +78,8 @@ fn withdrawn_words(Withdrawal { who, at, cause }: &Withdrawal) -> String {
 impl Store {
     /// The case of a study: its finished readings that are not withdrawn, by posture, observer and repeat. The same store gives the same bytes.
     ///
-    /// A case file has one pair of iliac crests per film; it gets the mean of the pairs of all readings. Labels and notes stay
-    /// in the store.
+    /// A case file has one pair of iliac crests per film; it gets the mean of the pairs of all readings. Labels, notes and model
+    /// options stay in the store.
     ///
     /// # Errors
     /// [`StoreError::ViewTwice`]; [`StoreError::Case`] where a case file cannot have the images' descriptions;
@@ -98,6 +107,10 @@ impl Store {
                 finished.push((reading, state));
             }
             films.push(assembly::film(film, &finished)?);
+        }
+        let arguments = options::of_study(&snapshot, study)?.chosen.arguments();
+        if !arguments.is_empty() {
+            remarks.push(ExportRemark::ModelOptions { arguments });
         }
         let case = assembly::case(study, synthetic, films);
         let text = spineline_files::to_text(&written(&case, &by_view));

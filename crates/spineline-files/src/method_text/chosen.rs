@@ -57,6 +57,14 @@ impl ChosenOption {
         }
     }
 
+    /// The option as the command line takes it; of a file its name.
+    fn argument(&self) -> String {
+        let value = self.file.as_ref().unwrap_or(&self.value);
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.,:=/+".contains(c);
+        let quote = if value.chars().all(is_plain) { "" } else { "\"" };
+        format!("--{} {quote}{value}{quote}", self.name.replace('_', "-"))
+    }
+
     fn refused(&self, reason: impl Into<String>) -> OptionError {
         let value = self.file.clone().unwrap_or_else(|| self.value.clone());
         OptionError::Value { name: self.name.clone(), value, reason: reason.into() }
@@ -156,6 +164,13 @@ impl ChosenOptions {
         words.collect::<Vec<_>>().join("; ")
     }
 
+    /// The choices as the command line takes them, such as `--support free --fit ferguson`, with the names of files; empty for the
+    /// defaults.
+    #[must_use]
+    pub fn arguments(&self) -> String {
+        self.0.iter().map(ChosenOption::argument).collect::<Vec<_>>().join(" ")
+    }
+
     /// The files among them in words, each with its option.
     pub fn files(&self) -> impl Iterator<Item = (&'static str, String)> {
         let files = self.0.iter().filter(|one| one.file.is_some());
@@ -223,6 +238,7 @@ mod tests {
             chosen.words(),
             "Order of the curves: paper; Support: free; Inflections: L1/T12,T6"
         );
+        assert_eq!(chosen.arguments(), "--order-rule paper --support free --inflections L1/T12,T6");
         let json = serde_json::to_string(&chosen).expect("texts");
         assert_eq!(serde_json::from_str::<ChosenOptions>(&json).expect("the same"), chosen);
     }
@@ -252,6 +268,7 @@ mod tests {
         let digest = sha256_hex(text.trim().as_bytes());
         let words = format!("Stiffness table: own.json (SHA-256 {}…)", &digest[..12]);
         assert_eq!(chosen.words(), words);
+        assert_eq!(chosen.arguments(), "--stiffness own.json");
         assert_eq!(chosen.files().count(), 1);
         let json = serde_json::to_string(&chosen).expect("texts");
         assert_eq!(serde_json::from_str::<ChosenOptions>(&json).expect("the same"), chosen);
@@ -289,5 +306,6 @@ mod tests {
         let text = "left_bending=20,150,-5; right_bending=-20,150,5";
         let chosen = ChosenOptions::new(&[option("given_line", text)]).expect("two lines");
         assert_eq!(chosen.options().expect("valid").0.given_lines.len(), 2);
+        assert_eq!(chosen.arguments(), format!("--given-line \"{text}\""));
     }
 }

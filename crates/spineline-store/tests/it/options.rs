@@ -1,9 +1,9 @@
 //! Model options of a study, and kept computations.
 
 use spineline_files::method_text::{ChosenOption, ChosenOptions};
-use spineline_store::{CaseReadings, Finding, KeptComputation, Store, StudyOptions};
+use spineline_store::{CaseReadings, ExportRemark, Finding, KeptComputation, Store, StudyOptions};
 
-use crate::session::{by, folder_with_new_store, folder_with_store, name, run};
+use crate::session::{STEPS, by, folder_with_new_store, folder_with_store, name, run};
 
 pub fn option(name: &str, value: &str) -> ChosenOption {
     ChosenOption::word(name, value)
@@ -90,4 +90,19 @@ fn a_kept_computation_is_that_of_its_inputs_only_and_damage_is_noticed() {
     drop(raw);
     let store = Store::open(&path).expect("a store");
     assert!(!read(&store).is_of("inputs"), "an edited row is not used");
+}
+
+#[test]
+fn an_exported_study_says_its_model_options() {
+    let (_folder, mut store) = folder_with_store(STEPS);
+    let study = name("S-1");
+    let without = store.export_case(&study).expect("a case");
+    let of_options = |remark: &&ExportRemark| matches!(remark, ExportRemark::ModelOptions { .. });
+    assert!(!without.remarks.iter().any(|remark| of_options(&remark)));
+    let wanted = chosen(&[option("min_curve", "7.5"), option("method", "paper")]);
+    store.set_study_options(&study, &wanted, 0, &by("lead", 100)).expect("a change");
+    let exported = store.export_case(&study).expect("a case");
+    assert_eq!(exported.text, without.text);
+    let said = exported.remarks.iter().find(of_options).expect("a remark").to_string();
+    assert!(said.contains("analyze it with `--method paper --min-curve 7.5`"), "{said}");
 }
