@@ -257,7 +257,7 @@ pub struct NewStudy {
     pub label: Option<String>,
     /// Films, one per posture and one lateral one at most.
     pub films: Vec<NewFilm>,
-    /// Accept films whose files state another part of the body, or two patients.
+    /// Accept films whose files state another part of the body, or two patients, or contradict the values given here.
     #[serde(default)]
     pub accept_doubtful_films: bool,
 }
@@ -268,7 +268,7 @@ pub struct NewStudy {
 pub struct MoreFilms {
     /// Films of postures that the study does not have yet.
     pub films: Vec<NewFilm>,
-    /// Accept films whose files state another part of the body, or two patients.
+    /// Accept films whose files state another part of the body, or two patients, or contradict the values given here.
     #[serde(default)]
     pub accept_doubtful_films: bool,
 }

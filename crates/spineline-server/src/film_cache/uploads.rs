@@ -7,6 +7,7 @@ use axum::http::StatusCode;
 use spineline::measure::Spacing;
 use spineline::warning::WarningCode;
 use spineline_films::{FilmKind, Stated};
+use spineline_marking::ViewEvidence;
 use spineline_store::{Name, Timestamp};
 
 use crate::api::{Notice, Severity};
@@ -25,7 +26,8 @@ pub struct Upload {
     pub spacing: Option<Spacing>,
     /// Why the user must enter the spacing, where the file leaves it open.
     pub spacing_question: Option<String>,
-    pub is_lateral: bool,
+    /// The file's statements about its view.
+    pub view: ViewEvidence,
     pub is_synthetic: bool,
     /// Patient and part of the body as the file states them.
     pub stated: Stated,

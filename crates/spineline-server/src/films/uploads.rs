@@ -163,7 +163,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         rows: film.rows,
         spacing: spacing.spacing,
         spacing_question: spacing_question(&film.tags, &film.remarks),
-        is_lateral,
+        view: film.tags.view,
         is_synthetic: film.tags.is_phantom,
         stated: Stated::of(film),
         picture: film.picture_sha256(),

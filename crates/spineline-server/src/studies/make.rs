@@ -8,7 +8,11 @@ use axum::http::StatusCode;
 use spineline::anatomy::FilmView;
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline_files::{FilmSource, image_value, sha256_hex};
-use spineline_films::{DeidOptions, FilmKind, FilmLimits, Stated, deidentify, film_doubts};
+use spineline_films::{
+    DeidOptions, FilmKind, FilmLimits, Stated, deidentify, film_doubts, shape_contradiction,
+    side_contradiction, view_contradictions,
+};
+use spineline_marking::{View, judge_view};
 use spineline_store::{AddedCase, Name, NewCase, Role, Signature, Store, StoreError, Study};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -111,7 +115,11 @@ async fn prepared(
         let stated = |(film, upload): &(NewFilm, Arc<Upload>)| {
             (format!("{} film", film.posture.0), upload.stated.clone())
         };
-        check_doubts(&films.iter().map(stated).collect::<Vec<_>>())?;
+        let mut texts = doubts(&films.iter().map(stated).collect::<Vec<_>>());
+        for (film, upload) in &films {
+            texts.extend(contradictions(film, upload)?);
+        }
+        need_no_doubt(&texts)?;
     }
     let prepared = computed(move || {
         let salt = salt()?;
@@ -146,7 +154,7 @@ async fn import_case(
     if !import.accept_doubtful_films {
         let stated =
             |(name, upload): (&String, &Arc<Upload>)| (name.clone(), upload.stated.clone());
-        check_doubts(&uploads.iter().map(stated).collect::<Vec<_>>())?;
+        need_no_doubt(&doubts(&uploads.iter().map(stated).collect::<Vec<_>>()))?;
     }
     let used = import.films.iter().map(|film| film.upload.clone()).collect();
     let read = computed(move || {
@@ -204,7 +212,8 @@ fn check(films: &[(NewFilm, Arc<Upload>)], mut pictures: Pictures) -> Answer<()>
 
 /// Refuses a lateral view for a frontal film.
 fn check_view(view: FilmView, upload: &Upload) -> Answer<()> {
-    if upload.is_lateral && view != FilmView::Lateral {
+    let is_lateral = judge_view(&upload.view, None).view == Some(View::Lateral);
+    if is_lateral && view != FilmView::Lateral {
         let text = format!("{view}: the file contains a lateral view");
         return Err(Failure::refused(text).help("choose the frontal film"));
     }
@@ -227,20 +236,40 @@ impl Pictures {
     }
 }
 
-/// Refuses films whose files state another part of the body, or two patients; the answer has a separate code, because
-/// the user may confirm them.
-fn check_doubts(films: &[(String, Stated)]) -> Answer<()> {
+/// Films whose files state another part of the body, or two patients.
+fn doubts(films: &[(String, Stated)]) -> Vec<String> {
     let named = films.iter().zip(film_doubts(films));
-    let texts: Vec<String> = named
+    named
         .flat_map(|((name, _), doubts)| {
             doubts.into_iter().map(move |doubt| format!("{name}: {}", doubt.text))
         })
-        .collect();
+        .collect()
+}
+
+/// Contradictions between the answers for a film and its file: view, stance, side, and shape of a pixel.
+fn contradictions(film: &NewFilm, upload: &Upload) -> Answer<Vec<String>> {
+    let view = film.posture.0;
+    let judged = judge_view(&upload.view, view.posture());
+    let mut texts = view_contradictions(view, &judged);
+    texts.extend(side_contradiction(view, &judged, film.patient_left.0, "your answer"));
+    // Where the file leaves the shape open, the answer decides it.
+    let by_file = upload.spacing.filter(|_| upload.spacing_question.is_none());
+    if let (ScaleChoice::Stated { column_mm, row_mm, plane }, Some(by_file)) =
+        (&film.scale, by_file)
+    {
+        let said = stated_spacing([*column_mm, *row_mm], plane.0)?;
+        texts.extend(shape_contradiction(&by_file, &said, "your answer"));
+    }
+    Ok(texts.into_iter().map(|text| format!("{view} film: {text}")).collect())
+}
+
+/// Refuses films with doubts; the answer has a separate code, because the user may confirm them.
+fn need_no_doubt(texts: &[String]) -> Answer<()> {
     if texts.is_empty() {
         return Ok(());
     }
     let failure = Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "doubtful_film", texts.join("; "));
-    Err(failure.help("choose other films, or confirm them if you are sure"))
+    Err(failure.help("correct the answers, choose other films, or confirm them if you are sure"))
 }
 
 /// Whether an upload can be the film of a case.

@@ -17,6 +17,7 @@ mod dicomweb_server;
 mod drawn;
 mod example;
 mod exports;
+mod film_answers;
 mod films;
 mod guards;
 mod marking;

@@ -118,21 +118,28 @@ fn a_study_takes_one_lateral_film_with_the_side_of_the_front() {
         .zip(postures)
         .map(|(grey, posture)| uploaded(&browser, film(posture, grey, Encoding::Plain)).0)
         .collect();
-    let new = |view: &str, upload: &String| {
-        json!({ "upload": upload, "posture": view, "patient_left": "image_right",
+    let new = |view: &str, side: &str, upload: &String| {
+        json!({ "upload": upload, "posture": view, "patient_left": side,
             "simultaneous": true, "scale": { "kind": "file" } })
     };
-    let [erect, lateral, second] =
-        [new("erect", &uploads[0]), new("lateral", &uploads[1]), new("lateral", &uploads[2])];
+    let [erect, lateral, second] = [
+        new("erect", "image_left", &uploads[0]),
+        new("lateral", "image_right", &uploads[1]),
+        new("lateral", "image_right", &uploads[2]),
+    ];
     let refused = browser.post(
         "/api/studies",
         &json!({ "id": "S-1", "label": null, "films": [erect, lateral, second] }),
     );
     assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY);
     assert!(refused.text().contains("two lateral films"), "{}", refused.text());
-    let made = browser
-        .post("/api/studies", &json!({ "id": "S-1", "label": null, "films": [erect, lateral] }))
-        .succeeded();
+    let mut new = json!({ "id": "S-1", "label": null, "films": [erect, lateral] });
+    // The files of the test state a frontal view.
+    let doubted = browser.post("/api/studies", &new);
+    assert_eq!(doubted.code(), "doubtful_film", "{}", doubted.text());
+    assert!(doubted.text().contains("lateral film: the file says that this is a frontal view"));
+    new["accept_doubtful_films"] = true.into();
+    let made = browser.post("/api/studies", &new).succeeded();
     let case = browser.get("/api/studies/S-1/case").text();
     let lateral = spineline_files::parse_case(&case).expect("a case").lateral.expect("its film");
     assert_eq!((lateral.image.patient_left, lateral.simultaneous), (ImageSide::Right, true));

@@ -5,8 +5,8 @@ use std::fmt;
 use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline::number::fixed;
-use spineline_films::{FilmDoubt, spacing_question};
-use spineline_marking::{Calibration, SpacingJudgement, View, ViewQuestion, judge_view};
+use spineline_films::{FilmDoubt, side_contradiction, spacing_question, view_contradictions};
+use spineline_marking::{Calibration, SpacingJudgement, judge_view};
 
 use super::args::{ImportArgs, answer_for};
 use super::candidates::{ChosenFilm, Seen};
@@ -109,7 +109,7 @@ pub fn resolve(
     let others = seen.remarks.iter().filter(|remark| !remark.is_other_body_part());
     let mut notes: Vec<String> = others.map(ToString::to_string).collect();
     let judged = judge_view(&seen.tags.view, view.posture());
-    let mut contradicted = contradictions(view, judged.view, &judged.questions);
+    let mut contradicted = view_contradictions(view, &judged);
     contradicted.extend(doubts.iter().map(|doubt| doubt.text.clone()));
     let by_file = match view {
         FilmView::Frontal(_) => judged.patient_left,
@@ -120,9 +120,8 @@ pub fn resolve(
         FilmView::Lateral => args.patient_anterior,
     };
     let said = said.or(side_by_dialogue);
-    if let Some((by_file, _)) = by_file.zip(said).filter(|(file, said)| file != said) {
-        contradicted.push(orientation_contradiction(view, by_file));
-    }
+    contradicted
+        .extend(said.and_then(|said| side_contradiction(view, &judged, said, "your option")));
     let said_spacing = answer_for(&args.spacing, view);
     contradicted.extend(said_spacing.and_then(|said| shape_contradiction(&seen.spacing(), &said)));
     for text in contradicted {
@@ -157,15 +156,6 @@ pub fn resolve(
     }))
 }
 
-/// The file puts a side of the patient on the other side of the picture than the user does.
-fn orientation_contradiction(view: FilmView, by_file: ImageSide) -> String {
-    format!(
-        "Patient Orientation puts the patient's {} on the {} of the picture, your option on the other side",
-        asked_side(view),
-        if by_file == ImageSide::Left { "left" } else { "right" }
-    )
-}
-
 /// The file states another shape of a pixel than the user, whose distances are used.
 fn shape_contradiction(judged: &SpacingJudgement, said: &Spacing) -> Option<String> {
     let by_file = judged.contradicted_aspect(said.aspect())?;
@@ -175,28 +165,6 @@ fn shape_contradiction(judged: &SpacingJudgement, said: &Spacing) -> Option<Stri
         fixed(said.aspect(), 3),
         fixed(by_file, 3)
     ))
-}
-
-/// Contradictions between a film and its file, which may state no view.
-fn contradictions(film: FilmView, file: Option<View>, questions: &[ViewQuestion]) -> Vec<String> {
-    let wrong_view = match (film, file) {
-        (FilmView::Frontal(_), Some(View::Lateral)) => {
-            Some("the file says that this is a lateral view")
-        }
-        (FilmView::Lateral, Some(View::Frontal)) => {
-            Some("the file says that this is a frontal view")
-        }
-        _ => None,
-    };
-    let others = questions.iter().filter(|question| {
-        matches!(
-            question,
-            ViewQuestion::ViewsDisagree
-                | ViewQuestion::NotUpright { .. }
-                | ViewQuestion::Stance { .. }
-        )
-    });
-    wrong_view.map(str::to_owned).into_iter().chain(others.map(ToString::to_string)).collect()
 }
 
 /// The spacing of a film: by a ball or a ruler, by the option, or by its file.
