@@ -118,7 +118,7 @@ spineline::faults! {
         },
         /// An invalid identifier. The text is not repeated, because it might be a name.
         #[error(
-            "an identifier must have 1 to 64 ASCII letters, digits, `.`, `-` or `_`; this one with {characters} characters does not"
+            "an identifier must have 1 to 64 ASCII letters, digits, `.`, `-` or `_`, and not dots alone; this one with {characters} characters does not"
         )]
         #[help("use a code such as `S-017`, without the patient's name")]
         BadName {

@@ -8,14 +8,16 @@ use serde::Serialize;
 use spineline::measure::is_observer_code;
 use spineline_files::sha256_hex;
 
-/// The identifier of a study or of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`, without any patient's name.
+/// The identifier of a study or of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`, without any patient's name. Dots
+/// alone are none: in an address, `.` and `..` are this page and the one above.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Name(String);
 
 impl Name {
     /// The identifier, if the text is one.
     pub(crate) fn checked(text: &str) -> Option<Self> {
-        is_observer_code(text).then(|| Self(text.to_owned()))
+        let has_more_than_dots = text.contains(|c| c != '.');
+        (is_observer_code(text) && has_more_than_dots).then(|| Self(text.to_owned()))
     }
 
     /// The text.

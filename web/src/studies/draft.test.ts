@@ -101,6 +101,7 @@ describe("an identifier", () => {
     expect(idTrouble("", [])).not.toBeNull();
     expect(idTrouble("Zoë", [])).toContain("accents");
     expect(idTrouble("../x", [])).not.toBeNull();
+    expect(idTrouble("..", [])).toContain("Dots alone");
     expect(idTrouble("a".repeat(65), [])).toContain("65");
     expect(idTrouble("S-1", ["S-1"])).toContain("already");
   });

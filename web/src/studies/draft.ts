@@ -162,6 +162,7 @@ export function idTrouble(id: string, taken: string[]): string | null {
   if (id === "") return "Enter an identifier.";
   if (!/^[A-Za-z0-9._-]+$/.test(id))
     return "Use only letters without accents, digits, dots, hyphens and underscores.";
+  if (/^\.+$/.test(id)) return "Dots alone cannot be an identifier: add a letter or a digit.";
   if (id.length > 64) return `At most 64 characters; this identifier has ${id.length}.`;
   if (taken.includes(id)) return "A study with this identifier exists already.";
   return null;

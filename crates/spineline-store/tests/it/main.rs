@@ -10,6 +10,7 @@ mod crash;
 mod current_case;
 mod foreign_logs;
 mod history;
+mod inputs;
 mod journal;
 mod lateral;
 mod locks;
