@@ -29,7 +29,7 @@ pub struct LostChange {
     pub base_revision: u64,
     /// Current revision at that time.
     pub found_revision: u64,
-    /// The [`Event`](crate::Event), edit or finish, as JSON.
+    /// The [`Event`](crate::Event), edit, finish or model options, as JSON.
     pub change: String,
 }
 

@@ -4,7 +4,7 @@ use rusqlite::{Connection, params};
 use spineline_files::method_text::ChosenOptions;
 
 use crate::audit;
-use crate::conflicts::{Acknowledged, keep_lost, signed};
+use crate::conflicts::{Acknowledged, LostChange, keep_lost, lost_changes, signed};
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films;
@@ -32,7 +32,8 @@ impl Store {
     /// Changes the model options of a study, if they have the expected revision; none resets them.
     ///
     /// # Errors
-    /// [`StoreError::Conflict`], and then the change was kept; [`StoreError::Archived`], [`StoreError::Unknown`].
+    /// [`StoreError::Conflict`], and then the change is among [`Store::conflicts_of_options`]; [`StoreError::Archived`],
+    /// [`StoreError::Unknown`].
     pub fn set_study_options(
         &mut self,
         study: &Name,
@@ -45,8 +46,7 @@ impl Store {
             let now = of_study(ledger.transaction, study)?;
             let json = serde_json::to_string(chosen).expect("names and values are texts");
             if now.revision != expected_revision {
-                let object = format!("options/{study}");
-                return keep_lost(ledger, object, expected_revision, now.revision, &[json])
+                return keep_lost(ledger, object(study), expected_revision, now.revision, &[json])
                     .map(Err);
             }
             let revision = now.revision + 1;
@@ -60,6 +60,19 @@ impl Store {
             Ok(Ok(Acknowledged { sequence, revision }))
         })?
     }
+
+    /// The refused changes of a study's model options, oldest first. Each has all options that were wanted.
+    ///
+    /// # Errors
+    /// [`StoreError::Damaged`].
+    pub fn conflicts_of_options(&self, study: &Name) -> Result<Vec<LostChange>, StoreError> {
+        lost_changes(&self.connection, &object(study), 0)
+    }
+}
+
+/// The name of a study's options among refused changes.
+fn object(study: &Name) -> String {
+    format!("options/{study}")
 }
 
 /// The options of a study that exists.
@@ -67,7 +80,7 @@ pub(crate) fn of_study(connection: &Connection, study: &Name) -> Result<StudyOpt
     let rows = audit::load(connection, "options", "WHERE study = ?1", [study.as_str()], |row| {
         let chosen = serde_json::from_str(&row.get::<_, String>("chosen")?);
         Ok(StudyOptions {
-            chosen: chosen.map_err(|_| StoreError::damaged(format!("options/{study}")))?,
+            chosen: chosen.map_err(|_| StoreError::damaged(object(study)))?,
             revision: row.get::<_, i64>("revision")?.unsigned_abs(),
         })
     })?;

@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use spineline::number::fixed;
+use spineline_files::method_text::ChosenOptions;
 use spineline_store::{FilmRecord, LostChange, Name, ReadingId, Store, StoreError};
 
 use crate::api::LostChangeView;
@@ -31,11 +32,26 @@ pub fn of_study(store: &Store, study: &Name) -> Result<Vec<LostChangeView>, Stor
     Ok(store.conflicts_of_study(study)?.iter().map(view).collect())
 }
 
+pub fn of_options(store: &Store, study: &Name) -> Result<Vec<LostChangeView>, StoreError> {
+    let text = |chosen: ChosenOptions| match chosen.words() {
+        words if words.is_empty() => "all model options at their defaults".to_owned(),
+        words => format!("model options: {words}"),
+    };
+    let of_options = |lost: &LostChange| {
+        worded(lost, serde_json::from_str(&lost.change).map_or_else(|_| String::new(), text))
+    };
+    Ok(store.conflicts_of_options(study)?.iter().map(of_options).collect())
+}
+
 fn view(lost: &LostChange) -> LostChangeView {
+    worded(lost, serde_json::from_str(&lost.change).map_or_else(|_| String::new(), |c| words(&c)))
+}
+
+fn worded(lost: &LostChange, text: String) -> LostChangeView {
     LostChangeView {
         who: lost.who.to_string(),
         at_ms: lost.at.unix_ms(),
-        text: serde_json::from_str(&lost.change).map_or_else(|_| String::new(), |c| words(&c)),
+        text,
         base_revision: lost.base_revision,
         found_revision: lost.found_revision,
     }

@@ -24,7 +24,10 @@ use crate::problem::{Answer, Failure};
 use crate::state::AppState;
 use crate::user::User;
 
-pub use lost::{of_film as lost_of_film, of_reading as lost_of_reading, of_study as lost_of_study};
+pub use lost::{
+    of_film as lost_of_film, of_options as lost_of_options, of_reading as lost_of_reading,
+    of_study as lost_of_study,
+};
 pub use markable::may_mark;
 use markable::{Markable, markable};
 use view::view_after_loss;

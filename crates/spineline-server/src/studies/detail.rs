@@ -23,6 +23,7 @@ pub fn detail(state: &AppState, store: &Store, user: &User, study: &Name) -> Ans
         }
     }
     if visibility == Visibility::Open {
+        conflicts.extend(readings::lost_of_options(store, study)?);
         for reading in store.readings(study)? {
             conflicts.extend(readings::lost_of_reading(store, reading.id)?);
         }

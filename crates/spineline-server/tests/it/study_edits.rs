@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use spineline::anatomy::Posture;
 use spineline_store::{Role, Store};
 
-use crate::browser::{Answer, App, Browser, by, name};
+use crate::browser::{Answer, App, Browser, by, changed_options, name};
 use crate::demo::{app_with_demo, demo};
 use crate::films::{add_unread_study, begin, demo_film, upload, uploaded_film};
 
@@ -117,4 +117,21 @@ fn the_side_of_the_patient_is_corrected_before_a_film_is_read_and_a_scale_is_ent
     let refused = edit(2, side);
     assert_eq!((refused.status, refused.code().as_str()), (StatusCode::CONFLICT, "has_reading"));
     assert_eq!(edit(2, stated(0.2)).json()["row_mm"], 0.2, "a scale holds for all readings");
+}
+
+#[test]
+fn a_lost_change_of_model_options_is_shown_with_the_study() {
+    let app = App::with_accounts();
+    let editor = app.account("editor");
+    let change = |options: &[(&str, &str)]| {
+        editor.put("/api/studies/S-1/options", &changed_options(0, options))
+    };
+    change(&[("support", "free")]).succeeded();
+    for options in [&[("fit", "ferguson"), ("support", "free")][..], &[("support", "frontal")]] {
+        assert_eq!(change(options).code(), "conflict");
+    }
+    let lost = editor.get("/api/studies/S-1").json()["conflicts"].clone();
+    assert_eq!(lost[0]["text"], "model options: Support: free; Fitted to: ferguson");
+    assert_eq!((&lost[0]["who"], &lost[0]["base_revision"]), (&json!("editor"), &json!(0)));
+    assert_eq!(lost[1]["text"], "all model options at their defaults");
 }
