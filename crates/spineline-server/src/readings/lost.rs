@@ -1,6 +1,7 @@
 //! Texts of changes that were based on an old revision.
 
 use serde_json::Value;
+use spineline::measure::SpacingPlane;
 use spineline::number::fixed;
 use spineline_files::method_text::ChosenOptions;
 use spineline_store::{FilmRecord, LostChange, Name, ReadingId, Store, StoreError};
@@ -105,6 +106,9 @@ fn words(change: &Value) -> String {
         _ => {
             let [column, row] = ["column_spacing_mm", "row_spacing_mm"]
                 .map(|key| change[key].as_f64().unwrap_or(f64::NAN));
+            if change["spacing_plane"] == SpacingPlane::Pixels.key() {
+                return format!("pixels {} times as high as wide", fixed(row / column, 3));
+            }
             format!("scale to {} mm × {} mm per pixel", fixed(column, 3), fixed(row, 3))
         }
     }

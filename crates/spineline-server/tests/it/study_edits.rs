@@ -135,3 +135,24 @@ fn a_lost_change_of_model_options_is_shown_with_the_study() {
     assert_eq!((&lost[0]["who"], &lost[0]["base_revision"]), (&json!("editor"), &json!(0)));
     assert_eq!(lost[1]["text"], "all model options at their defaults");
 }
+
+#[test]
+fn a_lost_shape_of_pixels_is_not_told_in_millimetres() {
+    let app = app_with_demo();
+    let browser = app.observer("Ann");
+    add_unread_study(&app);
+    let film = browser.get("/api/studies/blind").json()["summary"]["films"][0]["film"].clone();
+    let edit = |edit: Value| {
+        let body = json!({ "expected_revision": 0, "edit": edit });
+        browser.post(&format!("/api/films/{film}/edits"), &body)
+    };
+    edit(json!({ "kind": "inverted", "inverted": true })).succeeded();
+    for (column, row, plane) in [(1.0, 2.0, "pixels"), (0.2, 0.25, "patient")] {
+        let stated =
+            json!({ "kind": "stated", "column_mm": column, "row_mm": row, "plane": plane });
+        assert_eq!(edit(stated).code(), "conflict");
+    }
+    let lost = browser.get("/api/studies/blind").json()["conflicts"].clone();
+    assert_eq!(lost[0]["text"], "erect film: pixels 2.000 times as high as wide");
+    assert_eq!(lost[1]["text"], "erect film: scale to 0.200 mm × 0.250 mm per pixel");
+}
