@@ -100,8 +100,7 @@ def plan(program: Path, samples: Path, folder: Path, ahead: dict[str, str]) -> I
     if not run(program, release, folder).code:
         yield "a plan without readings was released"
     early = Server(program, store, environment=ahead)
-    reading = begun(early)
-    early.answer("POST", f"/api/readings/{reading}/finish", {"expected_revision": 0})
+    read_next(early)
     early.kill()
     server = Server(program, store, port=early.port)
     fresh, server.headers = server.headers, early.headers
@@ -119,7 +118,7 @@ def plan(program: Path, samples: Path, folder: Path, ahead: dict[str, str]) -> I
     if released.code or " release " not in log or "lead" not in log:
         yield f"release ended with {released.code}: {released.errors}"
     else:
-        server.answer("POST", f"/api/readings/{begun(server)}/finish", {"expected_revision": 0})
+        read_next(server)
         if "reveal_" not in run(program, ["study", "log", store.name], folder).output:
             yield "the log of a complete plan does not show its secret"
     server.kill()
@@ -131,7 +130,21 @@ def step(server: Server) -> dict[str, object]:
     return study["plan"]["next"]
 
 
-def begun(server: Server) -> int:
-    """The reading of the next film."""
+def read_next(server: Server) -> None:
+    """Reads the next film: one vertebra in the middle of the picture."""
     view, _ = server.answer("POST", f"/api/codes/{step(server)['code']}/readings")
-    return view["reading"]
+    image, path = view["image"], f"/api/readings/{view['reading']}"
+    left = -1 if image["patient_left"] == "image_left" else 1
+    events = [
+        {
+            "kind": "place_corner",
+            "level": "L4",
+            "corner": f"{end}_{side}",
+            "column_px": image["columns"] * (0.5 + 0.1 * across),
+            "row_px": image["rows"] * (0.5 + 0.03 * down),
+        }
+        for end, down in (("superior", -1), ("inferior", 1))
+        for side, across in (("left", left), ("right", -left))
+    ]
+    server.answer("POST", f"{path}/events", {"expected_revision": 0, "events": events})
+    server.answer("POST", f"{path}/finish", {"expected_revision": len(events)})

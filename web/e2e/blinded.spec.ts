@@ -112,6 +112,11 @@ test(
     await dialog.getByRole("button", { name: "Continue reading" }).click();
     await bob.getByRole("button", { name: "Undo" }).click();
     await film.saved();
+    await bob.getByRole("button", { name: /finish reading/i }).click();
+    await expect(dialog.getByRole("button", { name: "Finish", exact: true })).toBeDisabled();
+    await expect(dialog).toContainText("No vertebra is marked.");
+    await dialog.getByRole("button", { name: "Continue reading" }).click();
+    await film.markSquare(await image(film));
     await film.finish();
     await expect(bob.getByRole("heading", { name: /all films are read/i })).toBeVisible();
     // A finished reading does not reveal films that others have not finished.
@@ -133,6 +138,7 @@ test(
       expect(await beginNext(eve)).not.toBe(earlier);
       const film = new FilmPage(eve);
       await film.painted();
+      await film.markSquare(await image(film));
       await film.finish();
     }
     await expect(eve.getByRole("heading", { name: /all films are read/i })).toBeVisible();

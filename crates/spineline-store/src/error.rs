@@ -229,6 +229,13 @@ spineline::faults! {
             /// Corners that it has.
             corners: usize,
         },
+        /// A planned reading without any vertebra.
+        #[error("{reading}: no vertebra is marked")]
+        #[help("place the four corners of at least one vertebra")]
+        Empty {
+            /// Reading.
+            reading: ReadingId,
+        },
         /// Films and readings of a planned study follow the plan.
         #[error("study {study} has a reading plan; the plan determines films, observers and dates")]
         #[help("ask for the observer's next film, or make a new study")]

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use axum::http::StatusCode;
 use spineline::anatomy::{FilmView, Level, Side};
 use spineline::measure::completion::has_shape;
 use spineline::measure::{CornerName, ImageGeometry, Origin};
@@ -18,7 +19,7 @@ use crate::api::{
     AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, Proposal as ProposalView,
     ReadingView, Severity, SidesView, VertebraView, Wire, WithdrawalView,
 };
-use crate::problem::Answer;
+use crate::problem::{Answer, Failure};
 use crate::user::User;
 use crate::words;
 
@@ -222,6 +223,23 @@ fn faults(
         text: fault.words(view),
     });
     notices.collect()
+}
+
+/// Refuses the end of a planned reading with an open error: it cannot be corrected afterwards.
+pub fn need_no_error(seen: &SeenReading, state: &ReadingState) -> Answer<()> {
+    if seen.code.is_none() {
+        return Ok(());
+    }
+    let view = seen.film.view;
+    let faults = landmarks(state, view).faults(&seen.film.geometry()?);
+    let errors = faults.iter().filter(|fault| fault.is_error()).map(|fault| fault.words(view));
+    let errors = errors.collect::<Vec<_>>().join("; ");
+    if errors.is_empty() {
+        return Ok(());
+    }
+    let text = format!("errors of landmarks are open: {errors}");
+    Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "landmark_errors", text)
+        .help("correct them first: a planned reading cannot be changed after its end"))
 }
 
 fn corner(name: CornerName, view: FilmView) -> Corner {

@@ -56,24 +56,45 @@ fn begin(browser: &Browser<'_>) -> i64 {
     begun.json()["reading"].as_i64().expect("a number")
 }
 
+/// Corners of L4, with their columns and rows.
+fn corners(revision: u64, corners: &[(&str, f64, f64)]) -> Value {
+    let event = |&(corner, column_px, row_px): &(&str, f64, f64)| {
+        json!({ "kind": "place_corner", "level": "L4", "corner": corner,
+            "column_px": column_px, "row_px": row_px })
+    };
+    let events: Vec<Value> = corners.iter().map(event).collect();
+    json!({ "expected_revision": revision, "events": events })
+}
+
 fn click(revision: u64) -> Value {
-    let event = json!({ "kind": "place_corner", "level": "L4", "corner": "superior_left",
-        "column_px": COLUMN_PX, "row_px": 5.0 });
-    json!({ "expected_revision": revision, "events": [event] })
+    corners(revision, &[("superior_left", COLUMN_PX, 5.0)])
+}
+
+/// Marks the four corners of L4 in a reading without events; its revision is then 4.
+fn mark(browser: &Browser<'_>, reading: i64) {
+    let rest = [
+        ("superior_right", 323.0, 5.0),
+        ("inferior_right", 323.0, 125.0),
+        ("inferior_left", COLUMN_PX, 125.0),
+    ];
+    let path = format!("/api/readings/{reading}/events");
+    browser.post(&path, &click(0)).succeeded();
+    browser.post(&path, &corners(1, &rest)).succeeded();
 }
 
 fn revision(revision: u64) -> Value {
     json!({ "expected_revision": revision })
 }
 
-/// Reads the next film: a click, an undo, and the finish.
+/// Reads the next film: one vertebra, an undo and a redo, and the finish.
 fn read(browser: &Browser<'_>) -> i64 {
     let reading = begin(browser);
     let path = format!("/api/readings/{reading}");
-    assert_eq!(browser.post(&format!("{path}/events"), &click(0)).status, StatusCode::OK);
-    let undo = json!({ "expected_revision": 1, "events": [{ "kind": "undo" }] });
-    assert_eq!(browser.post(&format!("{path}/events"), &undo).status, StatusCode::OK);
-    let done = browser.post(&format!("{path}/finish"), &revision(2));
+    mark(browser, reading);
+    let back =
+        json!({ "expected_revision": 4, "events": [{ "kind": "undo" }, { "kind": "redo" }] });
+    assert_eq!(browser.post(&format!("{path}/events"), &back).status, StatusCode::OK);
+    let done = browser.post(&format!("{path}/finish"), &revision(6));
     assert_eq!((done.status, &done.json()["finished"]), (StatusCode::OK, &json!(true)));
     reading
 }
@@ -127,7 +148,8 @@ fn an_observer_whose_role_was_taken_reads_no_further() {
                 anna = app.account("anna");
             }
             let reading = if has_begun { reading } else { begin(&anna) };
-            let done = anna.post(&format!("/api/readings/{reading}/finish"), &revision(0));
+            mark(&anna, reading);
+            let done = anna.post(&format!("/api/readings/{reading}/finish"), &revision(4));
             assert_eq!(done.status, StatusCode::OK, "the same again after {back}");
         }
     }
@@ -174,7 +196,7 @@ fn a_blinded_observer_does_not_see_what_they_have_finished() {
         (format!("{at}/preview"), preview),
         (format!("{at}/detection"), Value::Null),
         (format!("{at}/events"), click(0)),
-        (format!("{at}/events"), click(2)),
+        (format!("{at}/events"), click(6)),
         (format!("{at}/finish"), revision(1)),
     ];
     for (path, body) in posts {
@@ -183,12 +205,13 @@ fn a_blinded_observer_does_not_see_what_they_have_finished() {
         assert!(!answer.text().contains("123.4"), "{path}: {}", answer.text());
     }
     // The acknowledgement was lost: the same request again.
-    let again = anna.post(&format!("{at}/finish"), &revision(2));
-    let closed = json!({ "finished": true, "revision": 2, "reading": null });
+    let again = anna.post(&format!("{at}/finish"), &revision(6));
+    let closed = json!({ "finished": true, "revision": 6, "reading": null });
     assert_eq!((again.status, again.json()), (StatusCode::OK, closed));
     let seen = anna.get(&format!("/api/readings/{current}"));
     assert_eq!(seen.status, StatusCode::OK, "what is being read");
-    assert_eq!(anna.post(&format!("/api/readings/{current}/finish"), &revision(0)).status, 200);
+    mark(&anna, current);
+    assert_eq!(anna.post(&format!("/api/readings/{current}/finish"), &revision(4)).status, 200);
     assert_eq!(anna.get(&at).status, StatusCode::FORBIDDEN, "ben has not read");
     read(&ben);
     read(&ben);
@@ -239,4 +262,35 @@ fn films_do_not_change_while_a_plan_runs() {
         read(browser);
     }
     assert_eq!(edit(&edits[0]).status, StatusCode::OK);
+}
+
+#[test]
+fn a_planned_reading_without_a_vertebra_or_with_an_open_error_is_not_finished() {
+    let app = app();
+    let anna = app.account("anna");
+    let reading = begin(&anna);
+    let at = format!("/api/readings/{reading}");
+    let refused = |number: u64, code: &str, part: &str| {
+        let answer = anna.post(&format!("{at}/finish"), &revision(number));
+        assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", answer.text());
+        assert!(answer.code() == code && answer.text().contains(part), "{}", answer.text());
+    };
+    refused(0, "refused", "no vertebra is marked");
+    // The patient's left is on the left of the picture, and the left corners are on the right.
+    let exchanged = [
+        ("superior_left", 323.0, 5.0),
+        ("superior_right", 123.0, 5.0),
+        ("inferior_right", 123.0, 125.0),
+        ("inferior_left", 323.0, 125.0),
+    ];
+    anna.post(&format!("{at}/events"), &corners(0, &exchanged)).succeeded();
+    refused(4, "landmark_errors", "L4: ");
+    let stale = anna.post(&format!("{at}/finish"), &revision(3));
+    assert_eq!(stale.status, StatusCode::CONFLICT, "{}", stale.text());
+    let right = exchanged.map(|(corner, column, row)| (corner, 446.0 - column, row));
+    let remove = json!({ "expected_revision": 4,
+        "events": [{ "kind": "remove_vertebra", "level": "L4" }] });
+    anna.post(&format!("{at}/events"), &remove).succeeded();
+    anna.post(&format!("{at}/events"), &corners(5, &right)).succeeded();
+    anna.post(&format!("{at}/finish"), &revision(9)).succeeded();
 }

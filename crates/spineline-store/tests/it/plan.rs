@@ -50,9 +50,21 @@ fn next(store: &Store, who: &str, now: Timestamp) -> Next {
     store.observer(&name(who)).next_film_for(&name("S-1"), now).expect("a plan")
 }
 
+/// Marks a vertebra in a reading of this revision; returns the revision after it.
+pub fn mark(store: &mut Store, reading: ReadingId, revision: u64, by: &Signature) -> u64 {
+    let corners = [
+        place(Level::L4, Corner::SuperiorLeft, 400.0, 2000.0),
+        place(Level::L4, Corner::SuperiorRight, 610.0, 2000.0),
+        place(Level::L4, Corner::InferiorLeft, 400.0, 2110.0),
+        place(Level::L4, Corner::InferiorRight, 610.0, 2110.0),
+    ];
+    store.record_all(reading, &corners, revision, by).expect("four corners").revision
+}
+
 fn read_one(store: &mut Store, film: &BlindFilm, who: &str, minutes: i64) -> ReadingId {
     let reading = store.begin_planned(&film.code, &by(who, minutes)).expect("the next film");
-    store.finish_reading(reading, 0, &by(who, minutes)).expect("a reading of nothing");
+    let revision = mark(store, reading, 0, &by(who, minutes));
+    store.finish_reading(reading, revision, &by(who, minutes)).expect("a reading of a vertebra");
     reading
 }
 
@@ -188,7 +200,8 @@ fn a_repeat_begun_early_or_out_of_turn_is_refused() {
     refused!(refused, PlanGoverns { .. });
     let reading = store.begin_planned(&film.code, &by("A", 10)).expect("the next film");
     assert_eq!(next(&store, "A", minute(11)), Next::Continue(film.clone(), reading));
-    store.finish_reading(reading, 0, &by("A", 12)).expect("finished");
+    let revision = mark(&mut store, reading, 0, &by("A", 12));
+    store.finish_reading(reading, revision, &by("A", 12)).expect("finished");
     for _ in 0..4 {
         let Next::Begin(film) = next(&store, "A", minute(12)) else { panic!("a film") };
         read_one(&mut store, &film, "A", 12);
@@ -213,8 +226,10 @@ fn a_clock_that_jumps_back_does_not_shorten_the_washout() {
     for _ in 0..5 {
         let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
         let reading = store.begin_planned(&film.code, &by("A", 10)).expect("the next film");
-        // By the clock, it was finished four weeks before it was begun.
-        store.finish_reading(reading, 0, &by("A", 10 - 28 * DAY)).expect("finished");
+        // By the clock, it was marked and finished four weeks before it was begun.
+        let earlier = by("A", 10 - 28 * DAY);
+        let revision = mark(&mut store, reading, 0, &earlier);
+        store.finish_reading(reading, revision, &earlier).expect("finished");
     }
     assert_eq!(next(&store, "A", minute(10)), Next::Wait(released_after(minute(10))));
 }
@@ -232,13 +247,14 @@ fn a_blinded_reader_sees_only_codes_and_own_readings_until_the_end() {
     let event = place(Level::L4, Corner::SuperiorLeft, 1.0, 2.0);
     store.record(first, &event, 0, &by("A", 10)).expect("an event");
     store.record(first, &Event::Undo, 1, &by("A", 10)).expect("an event");
-    store.finish_reading(first, 2, &by("A", 10)).expect("finished");
+    let revision = mark(&mut store, first, 2, &by("A", 10));
+    store.finish_reading(first, revision, &by("A", 10)).expect("finished");
     refused!(store.observer(&b).reading(first), NotYours { .. });
     assert_eq!(store.observer(&b).closed(first).expect("a reading"), None);
     // The film of this reading is read again, so its picture is hidden.
     refused!(store.observer(&a).reading(first), Finished { .. });
     let closed = store.observer(&a).closed(first).expect("a reading");
-    assert_eq!(closed, Some(ClosedReading { study: study.clone(), revision: 2 }));
+    assert_eq!(closed, Some(ClosedReading { study: study.clone(), revision }));
     let sees = |store: &Store, who: &Name| store.observer(who).visibility(&study).expect("a study");
     read_all(&mut store, "A");
     assert_eq!(sees(&store, &a), Visibility::Reader);
@@ -246,7 +262,7 @@ fn a_blinded_reader_sees_only_codes_and_own_readings_until_the_end() {
     assert_eq!(sees(&store, &a), Visibility::Open);
     for who in [&a, &b] {
         let seen = store.observer(who).reading(first).expect("open");
-        assert_eq!(seen.state(&[]).expect("a state").revision, 2);
+        assert_eq!(seen.state(&[]).expect("a state").revision, revision);
         assert_eq!(store.observer(who).closed(first).expect("a reading"), None);
     }
     assert_eq!(next(&store, "B", minute(9_999_999)), Next::Done);
@@ -266,7 +282,8 @@ fn a_blinded_reader_learns_no_time_of_a_click_of_others() {
     assert_eq!((changed(&store, "A"), changed(&store, "B")), (minute(3), minute(11)));
     store.finish_reading(reading, 9, &by("B", 12)).expect_err("another revision");
     store.record(reading, &Event::Undo, 1, &by("B", 13)).expect("an event");
-    store.finish_reading(reading, 2, &by("B", 14)).expect("finished");
+    let revision = mark(&mut store, reading, 2, &by("B", 13));
+    store.finish_reading(reading, revision, &by("B", 14)).expect("finished");
     assert_eq!((changed(&store, "A"), changed(&store, "B")), (minute(3), minute(14)));
     assert_eq!(changed(&store, "lead"), minute(14));
     let Next::Begin(film) = next(&store, "A", minute(15)) else { panic!("a film") };
@@ -405,4 +422,15 @@ fn a_plan_is_changed_until_its_first_reading_begins() {
     assert_eq!(store.open_plan(&study).expect("readable"), None);
     refused!(change(&mut store, now.id), BadPlan { .. });
     assert!(store.verify(None).expect("verifiable").is_clean());
+}
+
+#[test]
+fn a_planned_reading_without_a_vertebra_is_not_finished() {
+    let (_folder, mut store) = planned(DESIGN);
+    let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
+    let reading = store.begin_planned(&film.code, &by("A", 10)).expect("the next film");
+    refused!(store.finish_reading(reading, 0, &by("A", 11)), Empty { .. });
+    assert_eq!(next(&store, "A", minute(12)), Next::Continue(film, reading));
+    let revision = mark(&mut store, reading, 0, &by("A", 13));
+    store.finish_reading(reading, revision, &by("A", 14)).expect("finished");
 }

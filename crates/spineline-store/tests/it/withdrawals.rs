@@ -8,6 +8,7 @@ use spineline_store::{
 };
 use tempfile::TempDir;
 
+use crate::plan::mark;
 use crate::session::{
     FILM, READING, by, clicks, film_bytes, folder_with_new_store, folder_with_store, image, name,
     place,
@@ -161,7 +162,8 @@ fn a_planned_study_keeps_its_readings_until_the_end_and_takes_no_correction() {
             panic!("a film")
         };
         let reading = store.begin_planned(&film.code, &by("A", minute)).expect("a reading");
-        store.finish_reading(reading, 0, &by("A", minute)).expect("finished");
+        let revision = mark(store, reading, 0, &by("A", minute));
+        store.finish_reading(reading, revision, &by("A", minute)).expect("finished");
         reading
     };
     let first = read(&mut store, 1);
