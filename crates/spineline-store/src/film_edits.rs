@@ -25,7 +25,8 @@ pub enum FilmEdit {
     /// Correct the side of the picture on which the patient's left is, or the patient's front on the lateral film. Landmarks are
     /// named by it, so the film must not have readings.
     PatientLeft(ImageSide),
-    /// State that a person compared the film with the patient's records, or not. Another posture ends the statement.
+    /// State that a person compared the film with the patient's records, or not. Another posture and another side of the patient end the
+    /// statement. Another scale does not: it changes neither patient, posture, levels nor sides.
     Checked(bool),
 }
 
@@ -51,7 +52,7 @@ impl FilmEdit {
             }
             Self::Posture(posture) => FilmRecord {
                 view: FilmView::Frontal(posture),
-                stated: Stated { checked: false, ..film.stated },
+                stated: unchecked(film.stated),
                 ..film
             },
             Self::Inverted(inverted) => FilmRecord { inverted, ..film },
@@ -63,13 +64,18 @@ impl FilmEdit {
             Self::PatientLeft(side) => {
                 let set = |image: &mut ImageGeometry| image.patient_left = side;
                 let image = spineline_files::with_geometry(&film.image, film.view, set)?;
-                FilmRecord { image, ..film }
+                FilmRecord { image, stated: unchecked(film.stated), ..film }
             }
             Self::Checked(checked) => {
                 FilmRecord { stated: Stated { checked, ..film.stated }, ..film }
             }
         })
     }
+}
+
+/// The statements about a film that nobody has compared with the records since.
+fn unchecked(stated: Stated) -> Stated {
+    Stated { checked: false, ..stated }
 }
 
 impl Store {
