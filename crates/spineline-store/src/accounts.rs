@@ -8,7 +8,7 @@ use crate::audit::{self, Ledger, next_id};
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films;
-use crate::names::{Name, Signature};
+use crate::names::{self, Name, Signature};
 use crate::password_hash::PasswordHash;
 use crate::sessions;
 use crate::wire::Wire;
@@ -144,13 +144,14 @@ impl Store {
     /// Replaces the grants of a study. Admins need no grant.
     ///
     /// # Errors
-    /// [`StoreError::Unknown`] for the study or an account.
+    /// [`StoreError::Unknown`] for the study or an account; [`StoreError::NameTwice`] for two grants of one account.
     pub fn set_grants(
         &mut self,
         study: &Name,
         wanted: &[(Name, Role)],
         by: &Signature,
     ) -> Result<(), StoreError> {
+        names::distinct(wanted.iter().map(|(name, _)| name))?;
         self.write(by, |ledger| {
             let transaction = ledger.transaction;
             films::study(transaction, study)?;

@@ -125,6 +125,13 @@ spineline::faults! {
             /// Its length.
             characters: usize,
         },
+        /// A name that is twice in a list.
+        #[error("{name} is given twice")]
+        #[help("give every name once")]
+        NameTwice {
+            /// Name.
+            name: Name,
+        },
         /// The object does not exist.
         #[error("no {object} in this store")]
         #[help("check the name")]

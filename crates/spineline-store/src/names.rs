@@ -1,5 +1,6 @@
 //! Identifiers, times and signatures.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::time::SystemTime;
 
@@ -7,6 +8,8 @@ use chrono::{DateTime, Days, NaiveTime, SecondsFormat, SubsecRound, Utc};
 use serde::Serialize;
 use spineline::measure::is_observer_code;
 use spineline_files::sha256_hex;
+
+use crate::error::StoreError;
 
 /// The identifier of a study or of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`, without any patient's name. Dots
 /// alone are none: in an address, `.` and `..` are this page and the one above.
@@ -31,6 +34,22 @@ impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(&self.0)
     }
+}
+
+/// The names of a list, each once.
+///
+/// # Errors
+/// [`StoreError::NameTwice`].
+pub(crate) fn distinct<'a>(
+    names: impl IntoIterator<Item = &'a Name>,
+) -> Result<BTreeSet<&'a Name>, StoreError> {
+    let mut known = BTreeSet::new();
+    for name in names {
+        if !known.insert(name) {
+            return Err(StoreError::NameTwice { name: name.clone() });
+        }
+    }
+    Ok(known)
 }
 
 /// A moment in UTC, to the millisecond. The store never reads a clock: callers give the time.

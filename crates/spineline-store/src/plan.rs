@@ -9,7 +9,7 @@ use crate::audit::{self, Ledger, next_id};
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films;
-use crate::names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
+use crate::names::{self, FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 use crate::plan_design::{OpenPlan, PlanDesign};
 use crate::readings::{self, ReadingRecord};
 
@@ -114,7 +114,7 @@ impl Store {
     /// Returns the number of readings.
     ///
     /// # Errors
-    /// [`StoreError::BadPlan`], [`StoreError::Exists`] where the study has a plan, [`StoreError::Archived`], [`StoreError::Unknown`].
+    /// [`StoreError::BadPlan`], [`StoreError::NameTwice`] for an observer, [`StoreError::Exists`] where the study has a plan, [`StoreError::Archived`], [`StoreError::Unknown`].
     pub fn reading_plan(
         &mut self,
         study: &Name,
@@ -135,7 +135,7 @@ impl Store {
     /// Replaces a plan that has no readings yet. Its codes become invalid.
     ///
     /// # Errors
-    /// [`StoreError::BadPlan`], also where a reading was begun; [`StoreError::PlanReplaced`] where another plan replaced it before;
+    /// [`StoreError::BadPlan`], also where a reading was begun; [`StoreError::NameTwice`] for an observer; [`StoreError::PlanReplaced`] where another plan replaced it before;
     /// [`StoreError::Archived`]; [`StoreError::Unknown`] for a study without a plan.
     pub fn change_plan(
         &mut self,
@@ -270,7 +270,7 @@ fn insert(
     random: &mut dyn FnMut(&mut [u8]),
 ) -> Result<usize, StoreError> {
     let transaction = ledger.transaction;
-    let observers: BTreeSet<&Name> = observers.iter().collect();
+    let observers = names::distinct(observers)?;
     let films = films::films(transaction, study)?;
     let slots = check(films.len(), observers.len(), design.repeats)?;
     if !readings::of_study(transaction, study)?.is_empty() {

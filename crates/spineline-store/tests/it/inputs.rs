@@ -2,9 +2,12 @@
 
 use spineline::anatomy::ImageSide;
 use spineline::measure::{Spacing, SpacingPlane};
-use spineline_store::{FilmEdit, FilmId, Name, StoreError};
+use spineline_store::{
+    Account, FilmEdit, FilmId, Name, PasswordHash, PlanDesign, Role, StoreError, StudyGrant,
+};
 
-use crate::session::{by, folder_with_store};
+use crate::plan::random;
+use crate::session::{by, folder_with_store, name};
 
 #[test]
 fn dots_alone_are_no_name_because_no_browser_opens_their_address() {
@@ -32,4 +35,33 @@ fn another_side_of_the_patient_ends_the_comparison_with_the_records_and_another_
     let scale = Spacing::stated(0.3, 0.3, SpacingPlane::Patient);
     assert!(checked_after(1, FilmEdit::Spacing(scale)));
     assert!(!checked_after(2, FilmEdit::PatientLeft(ImageSide::Right)));
+}
+
+#[test]
+fn one_person_twice_in_grants_or_in_a_plan_is_refused_and_changes_nothing() {
+    let (_folder, mut store) = folder_with_store(3);
+    let (study, lead) = (name("S-1"), by("lead", 10));
+    let password = PasswordHash::new("a long enough sentence", &name("ann")).expect("a password");
+    let account = Account { name: name("ann"), role: Role::Editor, enabled: true };
+    store.add_account(&account, &password, &lead).expect("an account");
+    let ann = (name("ann"), Role::Editor);
+    let twice = [ann.clone(), (name("ann"), Role::Reader)];
+    let refused = store.set_grants(&study, &twice, &lead);
+    assert!(
+        matches!(&refused, Err(StoreError::NameTwice { name }) if name.as_str() == "ann"),
+        "{refused:?}"
+    );
+    assert_eq!(store.grants(&study).expect("grants"), []);
+    store.set_grants(&study, &[ann], &lead).expect("a grant");
+    let granted = StudyGrant { study: study.clone(), name: name("ann"), role: Role::Editor };
+    assert_eq!(store.grants(&study).expect("grants"), [granted]);
+
+    let design = PlanDesign { repeats: 1, washout_days: 0, proposals: false };
+    let twice = [name("A"), name("B"), name("A")];
+    let refused = store.reading_plan(&study, &twice, design, &mut random(1), &lead);
+    assert!(
+        matches!(&refused, Err(StoreError::NameTwice { name }) if name.as_str() == "A"),
+        "{refused:?}"
+    );
+    assert!(!store.has_plan(&study).expect("readable"));
 }
