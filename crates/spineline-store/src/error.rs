@@ -205,6 +205,17 @@ spineline::faults! {
             /// Reading.
             reading: ReadingId,
         },
+        /// A reading with a number that does not follow the observer's earlier readings of the film.
+        #[error("{film}: there is no reading {repeat} to begin: the next reading of this observer is number {next}")]
+        #[help("begin the next reading of the film")]
+        BadRepeat {
+            /// Film.
+            film: FilmId,
+            /// Number that was asked for.
+            repeat: u32,
+            /// Number after the observer's last one.
+            next: u32,
+        },
         /// A reading can be changed by its observer only.
         #[error("{reading} belongs to another observer")]
         #[help("open your own reading of this film")]

@@ -52,21 +52,23 @@ impl Store {
     /// Begins a reading of a study without a plan. The observer is the author.
     ///
     /// # Errors
-    /// [`StoreError::PlanGoverns`], [`StoreError::Exists`], [`StoreError::Archived`], [`StoreError::Unknown`]; [`StoreError::BadPlan`] for
-    /// repeat 0.
+    /// [`StoreError::PlanGoverns`], [`StoreError::Exists`], [`StoreError::Archived`], [`StoreError::Unknown`]; [`StoreError::BadRepeat`] for
+    /// repeat 0, or one that leaves a number out.
     pub fn begin_reading(
         &mut self,
         film: FilmId,
         repeat: u32,
         by: &Signature,
     ) -> Result<ReadingId, StoreError> {
-        if repeat == 0 {
-            return Err(StoreError::BadPlan { needs: "repeats counted from 1" });
-        }
         self.write(by, |ledger| {
             let study = films::film(ledger.transaction, film)?.study;
             if films::is_planned(ledger.transaction, &study)? {
                 return Err(StoreError::PlanGoverns { study });
+            }
+            // A far number would leave no next one for *Read again*.
+            let next = last_repeat(ledger, film)?.saturating_add(1);
+            if !(1..=next).contains(&repeat) {
+                return Err(StoreError::BadRepeat { film, repeat, next });
             }
             begin(ledger, film, repeat)
         })
@@ -89,6 +91,15 @@ impl Store {
         films::study(&snapshot, study)?;
         of_study(&snapshot, study)
     }
+}
+
+/// The last repeat of the author on a film, withdrawn or not; 0 without a reading.
+fn last_repeat(ledger: &Ledger<'_>, film: FilmId) -> Result<u32, StoreError> {
+    let Ledger { transaction, by } = ledger;
+    let condition = "WHERE film = ?1 AND observer = ?2";
+    let known =
+        audit::load(transaction, "readings", condition, params![film.0, by.who.as_str()], read)?;
+    Ok(known.iter().map(|reading| reading.repeat).max().unwrap_or(0))
 }
 
 pub(crate) fn begin(

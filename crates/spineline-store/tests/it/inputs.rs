@@ -65,3 +65,27 @@ fn one_person_twice_in_grants_or_in_a_plan_is_refused_and_changes_nothing() {
     );
     assert!(!store.has_plan(&study).expect("readable"));
 }
+
+#[test]
+fn a_repeat_that_leaves_a_number_out_is_refused_so_that_a_next_one_remains() {
+    let (_folder, mut store) = folder_with_store(3);
+    let (film, ann) = (FilmId(2), by("ann", 10));
+    for repeat in [0, 2, u32::MAX] {
+        let refused = store.begin_reading(film, repeat, &ann);
+        let is_next = matches!(
+            refused,
+            Err(StoreError::BadRepeat { next: 1, repeat: found, .. }) if found == repeat
+        );
+        assert!(is_next, "{refused:?}");
+    }
+    let first = store.begin_reading(film, 1, &ann).expect("the first one");
+    // A withdrawn reading keeps its number.
+    store.withdraw_reading(first, "wrong film", &ann).expect("withdrawn");
+    let refused = store.begin_reading(film, 3, &ann);
+    assert!(matches!(refused, Err(StoreError::BadRepeat { next: 2, .. })), "{refused:?}");
+    let again = store.begin_reading(film, 1, &ann);
+    assert!(matches!(again, Err(StoreError::Exists { .. })), "{again:?}");
+    store.begin_reading(film, 2, &ann).expect("the second one");
+    // Another observer begins with the first one.
+    store.begin_reading(film, 1, &by("ben", 11)).expect("the first one");
+}

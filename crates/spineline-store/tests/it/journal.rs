@@ -122,7 +122,7 @@ fn a_finished_reading_is_immutable_and_an_open_one_belongs_to_its_observer() {
     refused!(store.finish_reading(READING, last, &by("A", 90)), Finished { .. });
     refused!(store.record(ReadingId(2), &Event::Redo, 2, &by("A", 90)), NotYours { .. });
     refused!(store.begin_reading(FILM, 1, &by("A", 90)), Exists { .. });
-    refused!(store.begin_reading(FILM, 0, &by("A", 90)), BadPlan { .. });
+    refused!(store.begin_reading(FILM, 0, &by("A", 90)), BadRepeat { .. });
     assert_eq!(fingerprint(&store), before);
 }
 

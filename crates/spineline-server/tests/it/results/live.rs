@@ -20,7 +20,10 @@ fn begun(store: &mut Store, case: &Case, count: usize) -> ReadingId {
     let films = store.films(&name("S1")).expect("films");
     let film = films.iter().find(|film| film.view == Posture::Erect.into()).expect("erect");
     let by = by(READER);
-    let reading = store.begin_reading(film.id, 9, &by).expect("a new reading");
+    let readings = store.readings(&name("S1")).expect("readings");
+    let own = readings.iter().filter(|one| one.film == film.id && one.observer == by.who);
+    let next = 1 + own.map(|one| one.repeat).max().unwrap_or(0);
+    let reading = store.begin_reading(film.id, next, &by).expect("a new reading");
     let (_, landmarks) = reading_of(case, Posture::Erect);
     let clicks: Vec<_> = Level::MODEL[..count]
         .iter()
