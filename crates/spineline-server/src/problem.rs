@@ -114,6 +114,9 @@ fn words(error: &StoreError) -> String {
         StoreError::Conflict { .. } => {
             "another change was saved first: your change was kept, but not applied".to_owned()
         }
+        StoreError::Exists { object } if object.starts_with("reading/") => {
+            "this reading was begun already".to_owned()
+        }
         StoreError::Finished { .. } => "this reading is finished".to_owned(),
         StoreError::NotYours { .. } => "this reading belongs to another observer".to_owned(),
         StoreError::Withdrawn { .. } => "this reading is withdrawn".to_owned(),

@@ -141,7 +141,7 @@ spineline::faults! {
         },
         /// An object that is there already.
         #[error("{object} exists already")]
-        #[help(NAME_HELP)]
+        #[help(exists_help(object))]
         Exists {
             /// Such as `study/S1`.
             object: String,
@@ -314,10 +314,12 @@ spineline::faults! {
         },
         /// A plan without films, observers or repeats, or of too many.
         #[error("a plan needs {needs}")]
-        #[help("give films first, then observers and repeats")]
+        #[help(*remedy)]
         BadPlan {
             /// What it needs.
             needs: &'static str,
+            /// Remedy.
+            remedy: &'static str,
         },
         /// A film code that is not the observer's next one.
         #[error("this film is not the next one of this observer")]
@@ -384,6 +386,17 @@ impl StoreError {
 
     pub(crate) fn damaged(object: impl Into<String>) -> Self {
         Self::Damaged { object: Some(object.into()) }
+    }
+}
+
+/// What to do where an object is there already: only studies and accounts have names that a person chooses.
+fn exists_help(object: &str) -> &'static str {
+    if object.starts_with("reading/") {
+        "load the film again, and continue that reading"
+    } else if object.starts_with("the plan ") {
+        "load the study again: its plan can be changed until the first reading begins"
+    } else {
+        NAME_HELP
     }
 }
 

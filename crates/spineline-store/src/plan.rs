@@ -274,7 +274,10 @@ fn insert(
     let films = films::films(transaction, study)?;
     let slots = check(films.len(), observers.len(), design.repeats)?;
     if !readings::of_study(transaction, study)?.is_empty() {
-        return Err(StoreError::BadPlan { needs: "a study without readings" });
+        return Err(StoreError::BadPlan {
+            needs: "a study without readings",
+            remedy: "make a new study of these films",
+        });
     }
     let plan = next_id(transaction, "plans", "id")?;
     let secret = draw_secret(random);
@@ -306,10 +309,14 @@ fn insert(
 fn check(films: usize, observers: usize, repeats: u32) -> Result<usize, StoreError> {
     let rounds = usize::try_from(repeats).unwrap_or(usize::MAX);
     match films.saturating_mul(observers).saturating_mul(rounds) {
-        0 => Err(StoreError::BadPlan { needs: "at least one film, one observer and one repeat" }),
-        slots if slots > MAX_SLOTS => {
-            Err(StoreError::BadPlan { needs: "at most 100 000 readings" })
-        }
+        0 => Err(StoreError::BadPlan {
+            needs: "at least one film, one observer and one repeat",
+            remedy: "give films first, then observers and repeats",
+        }),
+        slots if slots > MAX_SLOTS => Err(StoreError::BadPlan {
+            needs: "at most 100 000 readings",
+            remedy: "plan fewer observers or repeats",
+        }),
         slots => Ok(slots),
     }
 }

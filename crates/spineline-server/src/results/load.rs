@@ -49,11 +49,12 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
     let force_n = Vec3::from(request.tip_mm) - analysis.movement.spine.midpoints_mm[vertebra];
     let size = force_n.norm();
     if size.is_nan() || size > MAX_ARROW_MM {
-        let text = format!(
-            "the arrow is {} mm long; the limit is {} mm",
-            fixed(size, 0),
-            fixed(MAX_ARROW_MM, 0)
-        );
+        let length = if size.is_finite() {
+            format!("{} mm long", fixed(size, 0))
+        } else {
+            "too long to be measured".to_owned()
+        };
+        let text = format!("the arrow is {length}; the limit is {} mm", fixed(MAX_ARROW_MM, 0));
         return Err(Failure::refused(text).help("drag a shorter arrow"));
     }
     loaded(analysis, model, vertebra, force_n)

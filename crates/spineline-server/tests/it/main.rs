@@ -21,6 +21,7 @@ mod film_answers;
 mod films;
 mod guards;
 mod marking;
+mod messages;
 mod numbers;
 mod openapi;
 mod passwords;

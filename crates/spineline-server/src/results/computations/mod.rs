@@ -98,7 +98,11 @@ pub async fn analysed(
 fn steps(result: &StudyResult, name: Computation, request: &ComputationRequest) -> Answer<u64> {
     let refused = |text: String, help: &str| Failure::refused(text).help(help);
     match (name, request.count) {
-        (Computation::Replicates, count) => replicates::checked(count.unwrap_or_default()),
+        (Computation::Replicates, Some(count)) => replicates::checked(count),
+        (Computation::Replicates, None) => Err(refused(
+            "the number of replicates is missing".to_owned(),
+            "give it as `count`, such as 1000",
+        )),
         (_, Some(_)) => Err(refused(
             "only replicates take a number of replicates".to_owned(),
             "leave `count` out",
