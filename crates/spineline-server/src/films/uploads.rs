@@ -64,7 +64,7 @@ async fn upload(
 /// Decodes the file of a film from any source and keeps it for a study.
 ///
 /// # Errors
-/// For a file that is not a film, exceeds a limit, or fails `check`.
+/// For a file that is not a film, exceeds a limit, is too small to be marked, or fails `check`.
 pub async fn stage(
     state: &AppState,
     user: &User,
@@ -75,10 +75,27 @@ pub async fn stage(
     let _permit = state.films.decoding().await?;
     let film = decode(state, bytes.clone()).await?;
     check(&film)?;
+    check_sides(&film)?;
     let (upload, mut view) = computed(move || look(&film, bytes)).await?;
     view.notices.extend(state.films.uploads.twins(&user.name, &upload, state.now()));
     view.upload = room.keep(upload, state.now());
     Ok(view)
+}
+
+/// Fewest pixels on a side of a film: with fewer, each of 15 vertebrae has four rows at most (assumption).
+const MIN_SIDE_PX: u32 = 64;
+
+/// Refuses a picture in which no vertebra can be marked.
+fn check_sides(film: &FilmFile) -> Answer<()> {
+    let FilmFile { columns, rows, .. } = *film;
+    if columns.min(rows) >= MIN_SIDE_PX {
+        return Ok(());
+    }
+    let text = format!(
+        "the picture has {columns} × {rows} pixels; a film has at least {MIN_SIDE_PX} on each side"
+    );
+    let failure = Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "film", text);
+    Err(failure.help("export the film at its own resolution, and not its thumbnail"))
 }
 
 fn refusal(refused: &BytesRejection) -> Failure {

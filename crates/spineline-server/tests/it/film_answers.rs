@@ -1,10 +1,13 @@
-//! What a person says about an uploaded film, beside what its file says.
+//! What a person says about an uploaded film, beside what its file says, and films that are too small.
 
 use axum::http::StatusCode;
 use serde_json::json;
+use spineline::anatomy::Posture;
+use spineline_films::Encoding;
 
 use crate::demo::app_with_demo;
-use crate::films::{demo_film, upload, uploaded_film};
+use crate::films::{app, demo_film, upload, uploaded_film};
+use crate::repeated_films::film_of_size;
 
 #[test]
 fn an_answer_that_contradicts_the_file_is_refused_until_confirmed() {
@@ -40,4 +43,20 @@ fn an_answer_that_contradicts_the_file_is_refused_until_confirmed() {
         new["accept_doubtful_films"] = true.into();
         browser.post("/api/studies", &new).succeeded();
     }
+}
+
+#[test]
+fn a_picture_in_which_no_vertebra_can_be_marked_is_refused_with_the_limit() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let of_size = |size: [u32; 2]| film_of_size(size, Posture::Erect, 0, Encoding::Plain);
+    for size in [[1, 1], [63, 900], [900, 63]] {
+        let refused = upload(&browser, of_size(size));
+        assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", refused.text());
+        assert_eq!(refused.code(), "film");
+        let [columns, rows] = size;
+        let said = format!("{columns} × {rows} pixels; a film has at least 64 on each side");
+        assert!(refused.text().contains(&said), "{}", refused.text());
+    }
+    upload(&browser, of_size([64, 64])).succeeded();
 }

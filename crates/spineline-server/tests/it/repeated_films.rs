@@ -10,11 +10,19 @@ use spineline_films::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
 use crate::browser::Browser;
 use crate::films::{app, upload};
 
-const SIZE: [u32; 2] = [60, 40];
+const SIZE: [u32; 2] = [80, 64];
 
 /// A small film with these pixels; its identifier follows from the posture.
 fn film(posture: Posture, grey: u16, encoding: Encoding) -> Vec<u8> {
-    let [columns, rows] = SIZE;
+    film_of_size(SIZE, posture, grey, encoding)
+}
+
+pub fn film_of_size(
+    [columns, rows]: [u32; 2],
+    posture: Posture,
+    grey: u16,
+    encoding: Encoding,
+) -> Vec<u8> {
     let pixels: Vec<u16> = (0..columns * rows).map(|at| at as u16 % 1000 + grey).collect();
     let spacing = Some(Spacing::stated(0.1, 0.1, SpacingPlane::Patient));
     let film = DicomFilm {
