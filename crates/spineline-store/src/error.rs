@@ -125,6 +125,10 @@ spineline::faults! {
             /// Its length.
             characters: usize,
         },
+        /// A label with characters that hide or reorder text. The label is not repeated.
+        #[error("the label has a control character, or one that changes the direction of text")]
+        #[help("type the label again, in one line")]
+        BadLabel,
         /// A name that is twice in a list.
         #[error("{name} is given twice")]
         #[help("give every name once")]

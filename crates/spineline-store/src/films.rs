@@ -22,7 +22,7 @@ const MAX_LABEL: usize = 200;
 pub struct Study {
     /// Identifier, without the patient's name.
     pub id: Name,
-    /// Free text. It appears in no error, log, export or blinded view.
+    /// Text of one line; a blank one is stored as none. It appears in no error, log, export or blinded view.
     pub label: Option<String>,
     /// Whether the films are synthetic.
     pub synthetic: bool,
@@ -84,7 +84,7 @@ impl Store {
     /// Adds a new study.
     ///
     /// # Errors
-    /// [`StoreError::Exists`], [`StoreError::TooLarge`] for its label.
+    /// [`StoreError::Exists`]; [`StoreError::TooLarge`] or [`StoreError::BadLabel`] for its label.
     pub fn add_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
         self.write(by, |ledger| insert_study(ledger, study))
     }
@@ -166,20 +166,32 @@ pub(crate) struct NewFilm<'a> {
 }
 
 pub(crate) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
-    check_label(study.label.as_deref())?;
+    let label = checked_label(study.label.as_deref())?;
     let id = study.id.as_str();
     if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
         return Err(StoreError::Exists { object: format!("study/{id}") });
     }
     ledger.transaction.execute(
         "INSERT INTO studies VALUES (?1, ?2, ?3, 0, 0)",
-        params![id, study.label, study.synthetic],
+        params![id, label, study.synthetic],
     )?;
     ledger.seal("add", "studies", &id).map(drop)
 }
 
-pub(crate) fn check_label(label: Option<&str>) -> Result<(), StoreError> {
-    limit("the label (in characters)", label.map_or(0, |label| label.chars().count()), MAX_LABEL)
+/// A label as it is stored: a blank one is none.
+pub(crate) fn checked_label(label: Option<&str>) -> Result<Option<&str>, StoreError> {
+    let Some(label) = label.filter(|label| !label.trim().is_empty()) else { return Ok(None) };
+    limit("the label (in characters)", label.chars().count(), MAX_LABEL)?;
+    if label.contains(hides_text) { Err(StoreError::BadLabel) } else { Ok(Some(label)) }
+}
+
+/// Whether a character breaks a line, controls a terminal, or changes the direction of the text after it.
+fn hides_text(c: char) -> bool {
+    let directs = matches!(
+        c,
+        '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+    );
+    c.is_control() || directs
 }
 
 pub(crate) fn add_film(

@@ -44,7 +44,7 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_study`]; [`StoreError::Archived`] for the label of
-    /// an archived study; [`StoreError::TooLarge`] for a long label; [`StoreError::Unknown`].
+    /// an archived study; [`StoreError::TooLarge`] for a long label; [`StoreError::BadLabel`]; [`StoreError::Unknown`].
     pub fn edit_study(
         &mut self,
         study: &Name,
@@ -62,8 +62,7 @@ impl Store {
             match edit {
                 StudyEdit::Label { label } => {
                     films::open_study(ledger.transaction, study)?;
-                    films::check_label(label.as_deref())?;
-                    now.label.clone_from(label);
+                    now.label = films::checked_label(label.as_deref())?.map(str::to_owned);
                 }
                 StudyEdit::Archived { archived } => now.archived = *archived,
             }

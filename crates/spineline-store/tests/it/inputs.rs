@@ -3,11 +3,12 @@
 use spineline::anatomy::ImageSide;
 use spineline::measure::{Spacing, SpacingPlane};
 use spineline_store::{
-    Account, FilmEdit, FilmId, Name, PasswordHash, PlanDesign, Role, StoreError, StudyGrant,
+    Account, FilmEdit, FilmId, Name, PasswordHash, PlanDesign, Role, StoreError, Study, StudyEdit,
+    StudyGrant,
 };
 
 use crate::plan::random;
-use crate::session::{by, folder_with_store, name};
+use crate::session::{by, folder_with_new_store, folder_with_store, name};
 
 #[test]
 fn dots_alone_are_no_name_because_no_browser_opens_their_address() {
@@ -88,4 +89,33 @@ fn a_repeat_that_leaves_a_number_out_is_refused_so_that_a_next_one_remains() {
     store.begin_reading(film, 2, &ann).expect("the second one");
     // Another observer begins with the first one.
     store.begin_reading(film, 1, &by("ben", 11)).expect("the first one");
+}
+
+#[test]
+fn a_label_that_hides_or_turns_text_is_refused_and_a_blank_one_is_none() {
+    let (_folder, mut store) = folder_with_new_store();
+    let lead = by("lead", 1);
+    let labelled = |label: &str| Study::new(name("S-1"), Some(label.to_owned()), true);
+    // A tab, a line, an escape, the end of a line, and marks of the direction of text.
+    let bad = ["a\tb", "a\nb", "a\u{1b}[2Jb", "a\u{85}b", "a\u{2028}b", "a\u{202e}b", "\u{2067}a"];
+    for label in bad {
+        let refused = store.add_study(&labelled(label), &lead);
+        assert!(matches!(refused, Err(StoreError::BadLabel)), "{label:?}: {refused:?}");
+    }
+    store.add_study(&labelled(" \u{a0}"), &lead).expect("a study");
+    let label = |store: &spineline_store::Store| {
+        store.study(&name("S-1")).expect("a study").label.unwrap_or_default()
+    };
+    assert_eq!(label(&store), "");
+    let edit = |label: &str| StudyEdit::Label { label: Some(label.to_owned()) };
+    let turned = store.edit_study(&name("S-1"), &edit("a\u{202e}b"), 0, &lead);
+    assert!(matches!(turned, Err(StoreError::BadLabel)), "{turned:?}");
+    // Other scripts are text.
+    for (revision, text) in
+        (0..).zip(["Größe vor Korsett", "\u{5d3}\u{5e0}\u{5d4}", "\u{810a}\u{67f1}", "  "])
+    {
+        store.edit_study(&name("S-1"), &edit(text), revision, &lead).expect("renamed");
+        assert_eq!(label(&store), text.trim());
+    }
+    assert_eq!(store.study(&name("S-1")).expect("a study").label, None);
 }
