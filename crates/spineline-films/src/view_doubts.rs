@@ -3,10 +3,7 @@
 use spineline::anatomy::{FilmView, ImageSide};
 use spineline::measure::Spacing;
 use spineline::number::fixed;
-use spineline_marking::{View, ViewJudgement, ViewQuestion};
-
-/// Largest relative difference of two shapes of a pixel that agree, as for two shapes in one file.
-const SHAPE_AGREEMENT: f64 = 0.01;
+use spineline_marking::{View, ViewJudgement, ViewQuestion, pixels_agree};
 
 /// Contradictions between what a film is called and its file, which may state no view.
 #[must_use]
@@ -65,8 +62,7 @@ pub fn side_contradiction(
 /// The file states another shape of a pixel than a person, whose spacing is `said`.
 #[must_use]
 pub fn shape_contradiction(file: &Spacing, said: &Spacing, whose: &str) -> Option<String> {
-    let agrees = (said.aspect() / file.aspect() - 1.0).abs() <= SHAPE_AGREEMENT;
-    (!agrees).then(|| {
+    (!pixels_agree(said.aspect(), file.aspect())).then(|| {
         format!(
             "{whose} has pixels {} times as high as wide, and the file {} times ({}); angles depend on it",
             fixed(said.aspect(), 3),

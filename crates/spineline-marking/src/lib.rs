@@ -29,7 +29,7 @@ pub use proposal::{NextLandmark, ProposedVertebra};
 pub use reading::{MarkedBody, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use series::{LevelMatch, NamelessBody, SecondMatch};
 pub use spacing_evidence::{
-    CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
+    CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing, pixels_agree,
 };
 pub use view::{
     PatientDirection, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion,

@@ -166,14 +166,6 @@ impl SpacingJudgement {
             _ => false,
         })
     }
-
-    /// The shape of a pixel by the file, height over width, where a person states another one. `None` where both agree, and where the
-    /// file states no shape or has a [question](Self::question): then the person's is the answer.
-    #[must_use]
-    pub fn contradicted_aspect(&self, stated: f64) -> Option<f64> {
-        let by_file = self.spacing?.aspect();
-        (self.question().is_none() && !agree(by_file, stated)).then_some(by_file)
-    }
 }
 
 /// Shapes of pixels that a film can have (assumption); scans at half the resolution in one direction have 2 or 0.5.
@@ -232,7 +224,7 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
         Some((pixel, SpacingPlane::Patient, source))
     } else if let Some((imager, (factor, source))) = imager.zip(magnification) {
         let reduced = imager.map(|mm| mm / factor);
-        if let Some(pixel) = pixel.filter(|pixel| !agree(pixel[1], reduced[1])) {
+        if let Some(pixel) = pixel.filter(|pixel| !pixels_agree(pixel[1], reduced[1])) {
             let ratio = pixel[1] / reduced[1];
             remarks.push(SpacingRemark::PixelSpacingPassedOver { ratio });
         }
@@ -244,7 +236,7 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
         };
         Some((reduced, plane, source))
     } else if let Some((pixel, imager)) = pixel.zip(imager) {
-        if agree(pixel[0], imager[0]) && agree(pixel[1], imager[1]) {
+        if pixels_agree(pixel[0], imager[0]) && pixels_agree(pixel[1], imager[1]) {
             remarks.push(SpacingRemark::DetectorPlane);
             Some((imager, SpacingPlane::Detector, SpacingSource::Imager))
         } else {
@@ -271,7 +263,7 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
         source,
         relative_sd: None,
     });
-    if let Some(spacing) = spacing.filter(|s| !agree(s.row_mm, s.column_mm)) {
+    if let Some(spacing) = spacing.filter(|s| !pixels_agree(s.row_mm, s.column_mm)) {
         remarks.push(SpacingRemark::NotSquare { aspect: spacing.aspect() });
     }
     if let Some(spacing) = spacing {
@@ -296,7 +288,7 @@ fn with_aspect(
             }
             spacing
         }
-        (Some(spacing), Some(stated)) if !agree(spacing.aspect(), stated) => {
+        (Some(spacing), Some(stated)) if !pixels_agree(spacing.aspect(), stated) => {
             let by_spacing = spacing.aspect();
             let by = "Pixel Aspect Ratio or by the resolutions";
             remarks.push(SpacingRemark::AspectsDisagree { by_spacing, stated, by });
@@ -322,13 +314,15 @@ fn compare_shapes(
 ) {
     for (by, pair) in pairs {
         let aspect = pair.map(|[row_mm, column_mm]| row_mm / column_mm);
-        if let Some(stated) = aspect.filter(|aspect| !agree(by_spacing, *aspect)) {
+        if let Some(stated) = aspect.filter(|aspect| !pixels_agree(by_spacing, *aspect)) {
             remarks.push(SpacingRemark::AspectsDisagree { by_spacing, stated, by });
         }
     }
 }
 
-fn agree(a: f64, b: f64) -> bool {
+/// Whether two sizes of a pixel, or two shapes, are equal within 1 %.
+#[must_use]
+pub fn pixels_agree(a: f64, b: f64) -> bool {
     (a / b - 1.0).abs() <= AGREEMENT
 }
 
@@ -387,7 +381,7 @@ fn compare_with_imager(
         if (ratio - 1.0).abs() > 0.05 {
             remarks.push(SpacingRemark::SpacingsDisagree { ratio });
         }
-    } else if agree(pixel[0], imager[0]) && agree(pixel[1], imager[1]) {
+    } else if pixels_agree(pixel[0], imager[0]) && pixels_agree(pixel[1], imager[1]) {
         remarks.push(SpacingRemark::CalibratedAsImager);
     }
 }

@@ -241,8 +241,8 @@ fn read_sources(
         };
         // `CaseFile::into_case` refuses a name in another folder.
         let place = folder.join(&name);
-        let source = read_source(&place)
-            .map_err(|error| Failure::of(args.file.display(), &error))?;
+        let source =
+            read_source(&place).map_err(|error| Failure::of(args.file.display(), &error))?;
         if let Some(stated) = sha256
             && let Some(why) = other_bytes(Some(&stated), &film_bytes(&place)?)
         {

@@ -157,7 +157,6 @@ fn pairs_of_distances_with_another_shape_of_a_pixel_are_asked_about() {
     ] {
         let judged = judge_spacing(&evidence);
         let asked = judged.question().map(ToString::to_string).unwrap_or_default();
-        assert_eq!(judged.contradicted_aspect(1.2), None, "an answer to the question");
         assert!(words.iter().all(|word| asked.contains(word)), "{evidence:?}: {asked}");
     }
     // A scanned film with another shape than its calibrated spacing.
@@ -176,8 +175,6 @@ fn pairs_of_distances_with_another_shape_of_a_pixel_are_asked_about() {
         {
             let judged = judge_spacing(&with(pixel, calibration, imager, magnification));
             assert_eq!(judged.question(), None, "{pixel:?} {imager:?}");
-            assert!(judged.contradicted_aspect(pixel[0] / pixel[1]).is_none());
-            assert!(judged.contradicted_aspect(1.2).is_some());
         }
     }
 }

@@ -76,7 +76,8 @@ impl BeforeTheFilm<'_> {
         for _ in 0..MAX_SCALE_ROUNDS {
             let outline = film.at_scale(scale);
             let load = under(&outline, &springs).ok_or(PathEnding::NotConverged)?;
-            let mut fit = Fit::new(self, &springs, &outline, load).ok_or(PathEnding::NotConverged)?;
+            let mut fit =
+                Fit::new(self, &springs, &outline, load).ok_or(PathEnding::NotConverged)?;
             let x = fit.minimum(&starts).ok_or(PathEnding::NotConverged)?;
             let next = fit.scale(&x);
             let change = (next.factor / scale.factor).ln().abs();

@@ -129,7 +129,7 @@ fn coupled_lateral(
 }
 
 impl Statics<'_> {
-    /// Equilibrium under a wrench fixed in space, with its derivatives, by the [equations](self) of one pass from L4 to T2.
+    /// Equilibrium under a wrench fixed in space, with its derivatives, by the equations of one pass from L4 to T2.
     ///
     /// `units[i]` is the derivative of the wrench by [`Parameter::Load`]`(i)`. Forces are in N, places in mm and moments in
     /// N·mm, all in `G`. The shape and its derivatives by `parameters` are written to `solution`, whose memory is used again.

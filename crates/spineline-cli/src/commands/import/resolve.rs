@@ -5,8 +5,10 @@ use std::fmt;
 use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline::number::fixed;
-use spineline_films::{FilmDoubt, side_contradiction, spacing_question, view_contradictions};
-use spineline_marking::{Calibration, SpacingJudgement, judge_view};
+use spineline_films::{
+    FilmDoubt, shape_contradiction, side_contradiction, spacing_question, view_contradictions,
+};
+use spineline_marking::{Calibration, judge_view};
 
 use super::args::{ImportArgs, answer_for};
 use super::candidates::{ChosenFilm, Seen};
@@ -123,7 +125,12 @@ pub fn resolve(
     contradicted
         .extend(said.and_then(|said| side_contradiction(view, &judged, said, "your option")));
     let said_spacing = answer_for(&args.spacing, view);
-    contradicted.extend(said_spacing.and_then(|said| shape_contradiction(&seen.spacing(), &said)));
+    let by_tags = seen.spacing();
+    // Where the file leaves the shape open, the option decides it.
+    let by_tags = by_tags.spacing.filter(|_| by_tags.question().is_none());
+    if let Some((by_tags, said)) = by_tags.zip(said_spacing) {
+        contradicted.extend(shape_contradiction(&by_tags, &said, "your --spacing"));
+    }
     for text in contradicted {
         if args.accept {
             notes.push(format!("{text}; accepted by --accept"));
@@ -154,17 +161,6 @@ pub fn resolve(
         source: seen.source.clone(),
         notes,
     }))
-}
-
-/// The file states another shape of a pixel than the user, whose distances are used.
-fn shape_contradiction(judged: &SpacingJudgement, said: &Spacing) -> Option<String> {
-    let by_file = judged.contradicted_aspect(said.aspect())?;
-    let source = judged.spacing?.source;
-    Some(format!(
-        "your --spacing has pixels {} times as high as wide, and the file {} times ({source}); angles depend on it",
-        fixed(said.aspect(), 3),
-        fixed(by_file, 3)
-    ))
 }
 
 /// The spacing of a film: by a ball or a ruler, by the option, or by its file.
