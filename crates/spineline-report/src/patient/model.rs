@@ -86,13 +86,12 @@ pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
         add.words("Joints", |(_, name)| name.clone());
         for model in &analysis.models {
             let values: Vec<f64> = model.multipliers().collect();
+            let verdicts = model.verdicts(analysis);
             let head = format!("{} (1)", sentence_case(&model.kind.to_string()));
             add.words(head, |&(group, _)| {
                 let value = values[group] * model.fit.absolute_scale;
-                let note = match model.fit.bounds[group] {
-                    StiffnessBound::Inside => "",
-                    _ => " (at its bound: not identified)",
-                };
+                let refusal = verdicts[group].ending.refusal();
+                let note = refusal.map_or_else(String::new, |text| format!(" ({text})"));
                 format!("{}{note}", fixed(value, 2))
             });
         }

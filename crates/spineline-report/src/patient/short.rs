@@ -1,10 +1,11 @@
 //! The first page: which line, how sure, how stiff, what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmPredictor, FilmRole, LineModel, MultiplierEnding};
+use spineline::analysis::{Analysis, FilmPredictor, FilmRole, LineModel};
 use spineline::number::{self, fixed};
-use spineline::personalize::{Identifiability, StiffnessBound, TestOutcome};
+use spineline::personalize::{Identifiability, TestOutcome};
 use spineline::uncertainty::Uncertainty;
+use spineline::warning::counted;
 
 use super::model::noise_interval;
 use super::{Patient, measured, uncertainty};
@@ -130,22 +131,20 @@ fn curve(analysis: &Analysis) -> String {
 fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>) -> String {
     let scale = model.fit.absolute_scale;
     let values: Vec<f64> = model.multipliers().map(|value| value * scale).collect();
+    let verdicts = model.verdicts(analysis);
     if values.len() > MOST_MULTIPLIERS {
-        let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+        let found = values.iter().zip(&verdicts).filter(|(_, verdict)| verdict.has_value());
+        let found: Vec<f64> = found.map(|(value, _)| *value).collect();
+        let [low, high] = [f64::min, f64::max].map(|of| found.iter().copied().reduce(of));
         let ends = low.zip(high).map(|(low, high)| number::interval([low, high], 2));
         return format!(
-            "Multiples of the table: {} over {} joints.",
-            ends.unwrap_or_default(),
-            values.len()
+            "Multiples of the table: {} over {}.",
+            ends.unwrap_or_else(none),
+            counted(found.len(), "joint")
         );
     }
-    let verdicts = model.verdicts(analysis);
     let source = intervals.of_model(analysis, model);
-    let refusal = |group: usize| match (model.fit.bounds[group], verdicts[group].ending) {
-        (StiffnessBound::Lower | StiffnessBound::Upper, _) => Some("at its bound"),
-        (_, MultiplierEnding::OthersAtBounds) => Some("no value: the others are at their bounds"),
-        _ => None,
-    };
+    let refusal = |group: usize| verdicts[group].ending.refusal();
     let interval =
         |group: usize| source.filter(|_| refusal(group).is_none())?.interval(model, group);
     let found: Vec<Option<String>> = (0..values.len()).map(interval).collect();

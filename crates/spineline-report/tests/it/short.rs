@@ -1,7 +1,10 @@
 //! The first screen answers which line, how sure, how stiff and what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmPredictor, FilmRole, MultiplierVerdict};
+use spineline::analysis::{
+    Analysis, AnalysisOptions, FilmPredictor, FilmRole, MultiplierEnding, MultiplierVerdict,
+    Reference, analyze,
+};
 use spineline::cohort::ErrorKind;
 use spineline::evaluate::Baseline;
 use spineline::number::fixed;
@@ -12,9 +15,11 @@ use spineline_report::cohort::{self, PatientRow};
 use spineline_report::{Document, WarningCounts, patient, terminal};
 
 use crate::common::{analyzed, case, cohort_of, rows, shown};
-use crate::terminal::tables;
+use crate::terminal::{tables, words};
 
 const WIDTH: usize = terminal::WIDTH;
+/// Lines of a patient whose stiffness values have intervals, or reasons why several have none.
+const WITH_REASONS: usize = 27;
 
 fn first_screen(document: &Document, most_lines: usize) -> String {
     let text = terminal(document, WIDTH);
@@ -113,6 +118,28 @@ fn stiffness_is_identified_only_where_this_was_tested() {
         };
         let text = headline.stiffness.expect("words");
         assert!(text.contains(&words), "{text}, not {words}");
+    }
+}
+
+#[test]
+fn a_stiffness_without_a_value_says_why() {
+    // With this weight, most joints of two regions turn against the force of the line that predicts best.
+    let case = case(2, Scenario::Rod);
+    let reference = Reference::Loaded { body_mass_kg: 50.0 };
+    let options = AnalysisOptions { reference, ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a phantom is sound");
+    let document = patient::summary(&shown(&case, &analysis, ""));
+    let text = words(&first_screen(&document, WITH_REASONS));
+    let kind = analysis.headline(None).kind.expect("a model");
+    let model = analysis.model(kind).expect("a model");
+    let endings = model.verdicts(&analysis).into_iter().map(|verdict| verdict.ending);
+    let endings: Vec<MultiplierEnding> = endings.collect();
+    assert!(endings.contains(&MultiplierEnding::Contradicted), "{endings:?}");
+    for ((name, value), ending) in model.groups.titles().zip(model.multipliers()).zip(endings) {
+        let value = format!("{name} {}", fixed(value, 2));
+        let refused = format!("{value} (no value: most joints turn against the force)");
+        assert!(text.contains(&value), "{value} is missing in\n{text}");
+        assert_eq!(text.contains(&refused), ending == MultiplierEnding::Contradicted, "{text}");
     }
 }
 

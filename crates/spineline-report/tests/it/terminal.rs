@@ -32,7 +32,7 @@ fn summary(
 }
 
 /// The text with one blank between words.
-fn words(text: &str) -> String {
+pub fn words(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -143,13 +143,13 @@ fn every_error_force_and_multiplier_is_shown() {
         }
     }
     let values: Vec<Vec<f64>> = analysis.models.iter().map(|m| m.multipliers().collect()).collect();
+    let verdicts: Vec<_> = analysis.models.iter().map(|model| model.verdicts(&analysis)).collect();
     for (group, name) in analysis.models[0].groups.titles().enumerate() {
         let mut cells = vec![name];
-        for (model, values) in analysis.models.iter().zip(&values) {
+        for (values, verdicts) in values.iter().zip(&verdicts) {
             cells.push(fixed(values[group], 2));
-            if model.fit.bounds[group] != StiffnessBound::Inside {
-                cells.push("(at its bound: not identified)".to_owned());
-            }
+            let refusal = verdicts[group].ending.refusal();
+            cells.extend(refusal.map(|text| format!("({text})")));
         }
         holds(&text, &cells);
     }
@@ -187,7 +187,8 @@ fn a_fit_that_found_no_value_says_so() {
     analysis.models[1].fit.bounds[2] = StiffnessBound::Upper;
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
     assert!(text.contains("Warning: inflection line: the fit is NOT CONVERGED ("), "{text}");
-    assert_eq!(text.matches("(at its bound: not identified)").count(), 1, "{text}");
+    assert_eq!(text.matches("(no value: at its bound)").count(), 1, "{text}");
+    assert_eq!(text.matches("(no value: not converged)").count(), 3, "{text}");
 }
 
 #[test]

@@ -39,8 +39,8 @@ pub struct MultiplierVerdict {
 impl MultiplierVerdict {
     /// Whether its fit ended at a value.
     #[must_use]
-    pub fn has_value(&self) -> bool {
-        matches!(self.ending, MultiplierEnding::Absolute | MultiplierEnding::Ratio)
+    pub const fn has_value(&self) -> bool {
+        self.ending.refusal().is_none()
     }
 }
 

@@ -225,6 +225,20 @@ impl Analysis {
     }
 }
 
+impl MultiplierEnding {
+    /// Why it is not a value, in a few words; `None` for a value. [`MultiplierVerdict`] says it in a sentence.
+    #[must_use]
+    pub const fn refusal(self) -> Option<&'static str> {
+        match self {
+            Self::Absolute | Self::Ratio => None,
+            Self::AtBound(_) => Some("no value: at its bound"),
+            Self::OthersAtBounds => Some("no value: the others are at their bounds"),
+            Self::Contradicted => Some("no value: most joints turn against the force"),
+            Self::NotConverged => Some("no value: not converged"),
+        }
+    }
+}
+
 impl fmt::Display for MultiplierVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { ending, against, joints } = self;
