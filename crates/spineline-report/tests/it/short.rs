@@ -5,6 +5,7 @@ use spineline::analysis::{
     Analysis, AnalysisOptions, FilmPredictor, FilmRole, MultiplierEnding, MultiplierVerdict,
     Reference, analyze,
 };
+use spineline::anatomy::Posture;
 use spineline::cohort::ErrorKind;
 use spineline::evaluate::Baseline;
 use spineline::number::fixed;
@@ -141,6 +142,26 @@ fn a_stiffness_without_a_value_says_why() {
         assert!(text.contains(&value), "{value} is missing in\n{text}");
         assert_eq!(text.contains(&refused), ending == MultiplierEnding::Contradicted, "{text}");
     }
+}
+
+#[test]
+fn a_line_that_the_bends_reject_gives_the_stiffness_only_where_no_other_can() {
+    // Oracle: the force of this scenario is parallel to the iliac line. One bend predicts no film.
+    let mut case = case(0, Scenario::Pull);
+    case.films.retain(|film| [Posture::Erect, Posture::LeftBending].contains(&film.posture));
+    let mut analysis = analyzed(&case);
+    let choice = analysis.choose_model().expect("a model");
+    assert_eq!(choice.kind, LineKind::Iliac);
+    assert!(choice.words.ends_with("and that the bends do not reject."), "{}", choice.words);
+    let stiffness = |analysis: &Analysis| analysis.headline(None).stiffness.expect("words");
+    assert!(stiffness(&analysis).starts_with("With the iliac line, "), "{}", stiffness(&analysis));
+    // Without a model of another line, the answer says that the bends reject this one.
+    analysis.models.retain(|model| model.kind == LineKind::Inflection);
+    let choice = analysis.choose_model().expect("a model");
+    assert_eq!(choice.kind, LineKind::Inflection);
+    assert!(choice.words.ends_with(" The bends reject this line."), "{}", choice.words);
+    let begin = "With the inflection line, which the bends reject, ";
+    assert!(stiffness(&analysis).starts_with(begin), "{}", stiffness(&analysis));
 }
 
 #[test]

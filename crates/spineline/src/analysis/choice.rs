@@ -32,13 +32,29 @@ impl Analysis {
         all.get(place)?.as_ref()
     }
 
+    /// Whether the bends reject a single force along a model's line. Bends cannot test a line that is fitted to them, and doubted
+    /// films test no line.
+    pub(super) fn is_rejected(&self, model: &LineModel) -> bool {
+        let is_tested = model.kind != LineKind::Estimated && !self.has_doubted_film();
+        is_tested && self.compatibility(model).rejects()
+    }
+
     /// The converged model of the line that best predicts films that were not fitted; if no line predicts any, the first converged
-    /// model, or else the first model. `None` without any model.
+    /// model whose line the bends do not reject, or else the first converged model, or else the first model. `None` without any
+    /// model. The words say so where the bends reject its line.
     ///
     /// # Definition
     /// Lines are ranked by [`LinesCompared::ranking`](super::LinesCompared::ranking). They are in the order of [`Analysis::models`].
     #[must_use]
     pub fn choose_model(&self) -> Option<ModelChoice> {
+        let mut choice = self.first_choice()?;
+        if self.model(choice.kind).is_some_and(|model| self.is_rejected(model)) {
+            choice.words.push_str(" The bends reject this line.");
+        }
+        Some(choice)
+    }
+
+    fn first_choice(&self) -> Option<ModelChoice> {
         let compared = self.comparison();
         let first = self.models.first()?;
         let converged = |kind: LineKind| self.model(kind).is_some_and(LineModel::is_converged);
@@ -63,18 +79,16 @@ impl Analysis {
             };
             return Some(ModelChoice { kind, words });
         }
-        let unpredicted = "No line has a result on films that it was not fitted to";
-        Some(match self.models.iter().find(|model| model.is_converged()) {
-            Some(LineModel { kind, .. }) => {
-                let words =
-                    format!("{unpredicted}; the {kind} is the first line whose model converged.");
-                ModelChoice { kind: *kind, words }
-            }
-            None => {
-                let kind = first.kind;
-                let words = format!("No model converged; the {kind} is the first line.");
-                ModelChoice { kind, words }
-            }
-        })
+        let usable = || self.models.iter().filter(|model| model.is_converged());
+        let allowed = usable().find(|model| !self.is_rejected(model));
+        let Some(LineModel { kind, .. }) = allowed.or_else(|| usable().next()) else {
+            let words = format!("No model converged; the {} is the first line.", first.kind);
+            return Some(ModelChoice { kind: first.kind, words });
+        };
+        let and = if allowed.is_some() { " and that the bends do not reject" } else { "" };
+        let words = format!(
+            "No line has a result on films that it was not fitted to; the {kind} is the first line whose model converged{and}."
+        );
+        Some(ModelChoice { kind: *kind, words })
     }
 }

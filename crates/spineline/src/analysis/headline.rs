@@ -81,21 +81,22 @@ impl Analysis {
         let found: Vec<bool> = verdicts.iter().enumerate().map(is_found).collect();
         let missing = model.groups.titles().zip(&found).filter(|(_, found)| !**found);
         let missing: Vec<String> = missing.map(|(name, _)| name).collect();
-        let (all, kind) = (found.len(), model.kind);
+        let rejected = if self.is_rejected(model) { ", which the bends reject" } else { "" };
+        let (all, line) = (found.len(), format!("{}{rejected}", model.kind));
         let (who, lack, open) = match tested {
             Some(_) => ("the films identify", "not identified", ""),
             None => ("the fit finds", "without a value", " (not tested)"),
         };
         let count = all - missing.len();
         if count == 0 {
-            return format!("With the {kind}, {who} no stiffness value.");
+            return format!("With the {line}, {who} no stiffness value.");
         }
         let missing = if missing.is_empty() {
             String::new()
         } else {
             format!("; {lack}: {}", listed(&missing))
         };
-        format!("With the {kind}, {who} {count} of {all} stiffness values{open}{missing}.")
+        format!("With the {line}, {who} {count} of {all} stiffness values{open}{missing}.")
     }
 }
 
