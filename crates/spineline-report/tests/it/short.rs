@@ -95,6 +95,30 @@ fn bends_that_mirror_each_other_are_not_held_against_mechanics() {
 }
 
 #[test]
+fn the_best_line_is_the_best_of_those_that_take_as_few_numbers_from_a_film() {
+    // The estimated line takes three numbers, and on many films it has a smaller error.
+    let analysis = analyzed(&case(0, Scenario::Rod));
+    let ranking = analysis.comparison().ranking().expect("predicted bends");
+    assert!(ranking.lines.iter().all(|(kind, _)| *kind != LineKind::Estimated));
+    let words = analysis.headline(None).prediction.expect("words");
+    let (kind, mm) = ranking.best();
+    let begin = format!(
+        "Of the lines with one number per film, the {kind} has the smallest error on bends left out of the fit: {} mm (not tested);",
+        fixed(mm, 1)
+    );
+    assert!(words.starts_with(&begin), "{words}");
+    // A line alone has no smallest error.
+    let mut alone = analyzed(&case(0, Scenario::Rod));
+    alone.models.retain(|model| model.kind == LineKind::Inflection);
+    let words = alone.headline(None).prediction.expect("words");
+    let begin = format!(
+        "The inflection line predicts bends left out of the fit with an error of {} mm",
+        fixed(mm, 1)
+    );
+    assert!(kind == LineKind::Inflection && words.starts_with(&begin), "{words}");
+}
+
+#[test]
 fn stiffness_is_identified_only_where_this_was_tested() {
     // Oracle: the verdicts on the multipliers themselves.
     for truth in [Scenario::Rod, Scenario::Pull] {

@@ -109,13 +109,20 @@ impl LinesCompared {
         if !ranking.is_prediction() {
             return Some(self.no_prediction_words(&ranking));
         }
+        // Several lines are ranked only where each takes one number from a film.
+        let line = if ranking.lines.len() > 1 {
+            format!(
+                "Of the lines with one number per film, the {kind} has the smallest error on {films}: {} mm (not tested)",
+                fixed(mm, 1)
+            )
+        } else {
+            format!("The {kind} predicts {films} with an error of {} mm", fixed(mm, 1))
+        };
         Some(match ranking.baseline {
-            None => format!("The {kind} predicts {films} best: {} mm.", fixed(mm, 1)),
-            Some((baseline, without_mm)) if mm < without_mm => format!(
-                "The {kind} predicts {films} best: {} mm; without mechanics {} mm ({baseline}).",
-                fixed(mm, 1),
-                fixed(without_mm, 1)
-            ),
+            None => format!("{line}."),
+            Some((baseline, without_mm)) if mm < without_mm => {
+                format!("{line}; without mechanics {} mm ({baseline}).", fixed(without_mm, 1))
+            }
             Some((baseline, without_mm)) => format!(
                 "No line with one parameter per film predicts {films} better than without mechanics: {kind} {} mm, {baseline} {} mm.{}",
                 fixed(mm, 1),
