@@ -28,8 +28,8 @@ faults! {
             /// The posture.
             posture: Posture,
         },
-        /// Two options that each fix the level of stiffness and force.
-        #[error("a loaded reference and a known force both fix the level of stiffness and force")]
+        /// A known force scales the springs, which carry a stated weight.
+        #[error("a known force scales the springs after the fit, and then they do not balance the weight of a loaded reference")]
         #[code("weight_and_known_force")]
         #[help("leave out one of the two options")]
         WeightAndKnownForce,

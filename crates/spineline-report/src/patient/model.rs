@@ -1,7 +1,7 @@
 //! The personalised models: shapes, springs, errors, and the lines side by side.
 
 use spineline::analysis::{
-    Analysis, BAND_COVERAGE, FilmPredictor, FilmRole, LineModel, LinesCompared,
+    Analysis, BAND_COVERAGE, FilmPredictor, FilmRole, LineModel, LinesCompared, Reference,
 };
 use spineline::anatomy::Posture;
 use spineline::evaluate::{Baseline, Simulation};
@@ -184,10 +184,16 @@ fn springs(analysis: &Analysis) -> Table {
             });
         }
     });
+    let known = match analysis.options.reference {
+        Reference::Unloaded => "only their ratios are known",
+        Reference::Loaded { .. } => "their level is assumed",
+    };
     table.note = if analysis.models.iter().all(absolute) {
         "Springs are scaled to the known force, about all axes.".to_owned()
     } else {
-        "No force was measured: springs of the models are relative to the table, and only their ratios are known. Flexion and axial springs are as in the table.".to_owned()
+        format!(
+            "No force was measured: springs of the models are relative to the table, and {known}. Flexion and axial springs are as in the table."
+        )
     };
     table
 }

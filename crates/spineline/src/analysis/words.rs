@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Analysis, LineModel, MultiplierEnding, MultiplierVerdict};
+use super::{Analysis, LineModel, MultiplierEnding, MultiplierVerdict, Reference};
 use crate::anatomy::{Posture, Side};
 use crate::clinical::ClinicalCurve;
 use crate::curve::{Inflection, InflectionInterval};
@@ -15,10 +15,15 @@ impl Analysis {
     /// The scale constraint, which fixes the overall level of stiffness and force.
     #[must_use]
     pub const fn gauge_words(&self) -> &'static str {
-        match self.options.gauge {
-            Gauge::GeometricMean => "only ratios are identified; their geometric mean is held at 1",
-            Gauge::FrozenForce => "forces fixed at their values with the nominal stiffness",
-            Gauge::KnownForce { .. } => "scaled to the known force",
+        match (self.options.gauge, self.options.reference) {
+            (Gauge::GeometricMean, Reference::Unloaded) => {
+                "only ratios are identified; their geometric mean is held at 1"
+            }
+            (Gauge::GeometricMean, Reference::Loaded { .. }) => {
+                "the geometric mean is held at 1 (assumed); with the weight, ratios depend on it"
+            }
+            (Gauge::FrozenForce, _) => "forces fixed at their values with the nominal stiffness",
+            (Gauge::KnownForce { .. }, _) => "scaled to the known force",
         }
     }
 
@@ -216,8 +221,12 @@ impl Analysis {
         }
         let nominal = self.movement.library.rows()[joint].nmm_per_rad;
         let [lateral, flexion, axial] = [0, 1, 2].map(|axis| springs[axis] / nominal[axis]);
+        let level = match self.options.reference {
+            Reference::Unloaded => "only ratios are identified",
+            Reference::Loaded { .. } => "the level is assumed",
+        };
         format!(
-            "lateral {}, flexion {}, axial {} of the nominal stiffness (no force was measured: only ratios are identified)",
+            "lateral {}, flexion {}, axial {} of the nominal stiffness (no force was measured: {level})",
             fixed(lateral, 2),
             fixed(flexion, 2),
             fixed(axial, 2)

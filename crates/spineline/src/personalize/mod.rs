@@ -7,7 +7,9 @@
 //! their standard deviations, of the prior and of the gauge.
 //!
 //! # Only ratios are identified
-//! Scaling every spring and every force by one number changes no shape, so a [`Gauge`] fixes the level.
+//! Scaling every spring and every force by one number changes no shape, so a [`Gauge`] fixes the level. Where the springs carry a weight,
+//! this scaling changes shapes, because the weight is in newtons: the level that the gauge holds is then an assumption, on which the ratios
+//! depend.
 //!
 //! # Steps
 //! 1. [`evidence`]: rotation and lever arm of every joint are both measured on the film, which gives a start in closed

@@ -12,8 +12,8 @@ use spineline::measure::{
     SpacingPlane, VertebraLandmarks,
 };
 use spineline::multibody::{
-    BodyLoad, Deformed, GeneralStatics, Goal, LoadItem, Loading, PathOptions, SpineModel,
-    StiffnessLibrary, Support,
+    BodyLoad, Deformed, GeneralStatics, Goal, JointStiffness, LoadItem, Loading, PathOptions,
+    SpineModel, StiffnessLibrary, Support,
 };
 use spineline::personalize::Gauge;
 use spineline::spatial::{Angle, Frontal, Mat3, Pixel, Vec3};
@@ -176,6 +176,31 @@ fn films_of_a_spine_that_lies_are_explained_by_a_loaded_reference() {
 }
 
 #[test]
+fn ratios_depend_on_the_level_of_the_table_only_under_a_weight() {
+    let multipliers = |reference, factor: f64| -> (Vec<f64>, &'static str) {
+        let published = StiffnessLibrary::default();
+        let rows = published.rows().iter().cloned().map(|row| JointStiffness {
+            nmm_per_rad: row.nmm_per_rad.map(|value| factor * value),
+            ..row
+        });
+        let library = StiffnessLibrary::from_rows(rows.collect()).expect("sound springs");
+        let options = AnalysisOptions { library, ..options(reference) };
+        let analysis = analyze(&case(4), &options).expect("a sound case");
+        let model = analysis.model(LineKind::Given).expect("a model");
+        (model.multipliers().collect(), analysis.gauge_words())
+    };
+    for (reference, is_ratio) in [(Reference::Unloaded, true), (LOADED, false)] {
+        let ((table, words), (doubled, _)) =
+            (multipliers(reference, 1.0), multipliers(reference, 2.0));
+        let changes = table.iter().zip(&doubled).map(|(a, b)| (a / b).ln().abs());
+        let change = changes.fold(0.0, f64::max);
+        assert!(if is_ratio { change < 1e-4 } else { change > 1e-3 }, "{reference:?}: {change:e}");
+        assert_eq!(words.contains("only ratios are identified"), is_ratio, "{words}");
+        assert_eq!(words.contains("(assumed)"), !is_ratio, "{words}");
+    }
+}
+
+#[test]
 fn a_model_of_a_loaded_reference_is_of_the_standing_patient() {
     let analysis = analysed(4, LOADED);
     let model = analysis.personalised_model(analysis.model(LineKind::Given).expect("a model"));
@@ -189,6 +214,7 @@ fn weight_takes_a_vertical_with_a_warning_and_no_known_force() {
     let gauge = Gauge::KnownForce { posture, force_n: 50.0 };
     let error = analyze(&case(4), &AnalysisOptions { gauge, ..options(LOADED) }).expect_err("both");
     assert_eq!(error.code(), "weight_and_known_force");
+    assert!(error.to_string().contains("do not balance the weight"), "{error}");
     let placed = case_of(vec![graph_film(Posture::Erect, 400.0, |_| (0.0, 0.0))]);
     let analysis = analyze(&placed, &options(LOADED)).expect("a sound case");
     let has = |code| analysis.warnings.all().iter().any(|warning| warning.code == code);
