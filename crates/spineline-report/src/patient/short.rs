@@ -3,7 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmPredictor, FilmRole, LineModel};
 use spineline::number::{self, fixed};
-use spineline::personalize::{Identifiability, TestOutcome};
+use spineline::personalize::{Identifiability, IntervalVerdict, TestOutcome};
 use spineline::uncertainty::Uncertainty;
 use spineline::warning::counted;
 
@@ -50,6 +50,14 @@ impl Source<'_> {
         match self {
             Self::Films(_) => " (95 % interval of the mean of its joints)",
             Self::Replicates(_) => " (95 % interval by landmark noise, if the model is exact)",
+        }
+    }
+
+    /// Whether the films identify a multiplier; replicates do not test it.
+    fn identifies(self, group: usize) -> bool {
+        match self {
+            Self::Films(found) => found.multipliers[group].verdict() == IntervalVerdict::Interval,
+            Self::Replicates(_) => true,
         }
     }
 
@@ -127,7 +135,7 @@ fn curve(analysis: &Analysis) -> String {
     joined([main, inflections, Some(format!("{}.", analysis.lenke_words()))])
 }
 
-/// The multipliers of a model, each with its interval where one was asked for.
+/// The multipliers of a model, each with its interval where one was asked for and the films identify it.
 fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>) -> String {
     let scale = model.fit.absolute_scale;
     let values: Vec<f64> = model.multipliers().map(|value| value * scale).collect();
@@ -144,7 +152,10 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
         );
     }
     let source = intervals.of_model(analysis, model);
-    let refusal = |group: usize| verdicts[group].ending.refusal();
+    let is_open = |group: usize| source.is_some_and(|source| !source.identifies(group));
+    let refusal = |group: usize| {
+        verdicts[group].ending.refusal().or_else(|| is_open(group).then_some("not identified"))
+    };
     let interval =
         |group: usize| source.filter(|_| refusal(group).is_none())?.interval(model, group);
     let found: Vec<Option<String>> = (0..values.len()).map(interval).collect();

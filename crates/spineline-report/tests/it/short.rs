@@ -13,10 +13,11 @@ use spineline::personalize::{IntervalVerdict, MultiplierInformation};
 use spineline::warning::WarningCode;
 use spineline_phantom::Scenario;
 use spineline_report::cohort::{self, PatientRow};
-use spineline_report::{Document, WarningCounts, patient, terminal};
+use spineline_report::patient::{self, Patient};
+use spineline_report::{Document, WarningCounts, terminal};
 
 use crate::common::{analyzed, case, cohort_of, rows, shown};
-use crate::terminal::{tables, words};
+use crate::terminal::{tables, words as one_line};
 
 const WIDTH: usize = terminal::WIDTH;
 /// Lines of a patient whose stiffness values have intervals, or reasons why several have none.
@@ -121,8 +122,10 @@ fn the_best_line_is_the_best_of_those_that_take_as_few_numbers_from_a_film() {
 #[test]
 fn stiffness_is_identified_only_where_this_was_tested() {
     // Oracle: the verdicts on the multipliers themselves.
-    for truth in [Scenario::Rod, Scenario::Pull] {
-        let analysis = analyzed(&case(0, truth));
+    let mut open = 0;
+    for truth in [Scenario::Rod, Scenario::Pull, Scenario::Bend] {
+        let case = case(0, truth);
+        let analysis = analyzed(&case);
         let fitted = analysis.headline(None);
         assert!(fitted.stiffness.is_some_and(|text| !text.contains("the films identify ")));
         let tested: Vec<_> =
@@ -143,7 +146,19 @@ fn stiffness_is_identified_only_where_this_was_tested() {
         };
         let text = headline.stiffness.expect("words");
         assert!(text.contains(&words), "{text}, not {words}");
+        // An interval of the mean of the joints is not the interval of a value that disagrees with it.
+        let patient = Patient { identifiability: Some(&tested), ..shown(&case, &analysis, "") };
+        let text = one_line(&first_screen(&patient::summary(&patient), WITH_REASONS));
+        let model = &analysis.models[place];
+        let values = model.groups.titles().zip(model.multipliers()).zip(verdicts.iter().zip(all));
+        for ((name, value), (fit, one)) in values {
+            let is_open = fit.has_value() && one.verdict() != IntervalVerdict::Interval;
+            let note = format!("{name} {} (not identified)", fixed(value, 2));
+            assert_eq!(text.contains(&note), is_open, "{note}\n{text}");
+            open += usize::from(is_open);
+        }
     }
+    assert!(open > 0, "the fit of prescribed rotations disagrees with the mean of the joints");
 }
 
 #[test]
@@ -154,7 +169,7 @@ fn a_stiffness_without_a_value_says_why() {
     let options = AnalysisOptions { reference, ..AnalysisOptions::default() };
     let analysis = analyze(&case, &options).expect("a phantom is sound");
     let document = patient::summary(&shown(&case, &analysis, ""));
-    let text = words(&first_screen(&document, WITH_REASONS));
+    let text = one_line(&first_screen(&document, WITH_REASONS));
     let kind = analysis.headline(None).kind.expect("a model");
     let model = analysis.model(kind).expect("a model");
     let endings = model.verdicts(&analysis).into_iter().map(|verdict| verdict.ending);
