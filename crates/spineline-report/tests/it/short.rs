@@ -191,15 +191,28 @@ fn a_line_that_the_bends_reject_gives_the_stiffness_only_where_no_other_can() {
     let mut analysis = analyzed(&case);
     let choice = analysis.choose_model().expect("a model");
     assert_eq!(choice.kind, LineKind::Iliac);
-    assert!(choice.words.ends_with("and that the bends do not reject."), "{}", choice.words);
+    assert!(choice.words.ends_with("and which is not rejected."), "{}", choice.words);
+    // A single bend is named.
+    let line = analysis.headline(None).line;
+    assert_eq!(
+        line,
+        "The left bend rejects a single force along the inflection line, and keeps one along the iliac line."
+    );
+    let kept = "A single force along the iliac line is kept by the left bend: ";
+    assert!(analysis.verdict().iter().any(|text| text.starts_with(kept)), "{kept}");
+    let inflection = analysis.model(LineKind::Inflection).expect("a model");
+    let doubts = analysis.personalised_model(inflection).doubts;
+    assert!(
+        doubts[0].starts_with("the left bend rejects a single force along the inflection line")
+    );
     let stiffness = |analysis: &Analysis| analysis.headline(None).stiffness.expect("words");
     assert!(stiffness(&analysis).starts_with("With the iliac line, "), "{}", stiffness(&analysis));
-    // Without a model of another line, the answer says that the bends reject this one.
+    // Without a model of another line, the answer says that the bend rejects this one.
     analysis.models.retain(|model| model.kind == LineKind::Inflection);
     let choice = analysis.choose_model().expect("a model");
     assert_eq!(choice.kind, LineKind::Inflection);
-    assert!(choice.words.ends_with(" The bends reject this line."), "{}", choice.words);
-    let begin = "With the inflection line, which the bends reject, ";
+    assert!(choice.words.ends_with(" The left bend rejects this line."), "{}", choice.words);
+    let begin = "With the inflection line, which the left bend rejects, ";
     assert!(stiffness(&analysis).starts_with(begin), "{}", stiffness(&analysis));
 }
 

@@ -48,8 +48,9 @@ impl Analysis {
     #[must_use]
     pub fn choose_model(&self) -> Option<ModelChoice> {
         let mut choice = self.first_choice()?;
-        if self.model(choice.kind).is_some_and(|model| self.is_rejected(model)) {
-            choice.words.push_str(" The bends reject this line.");
+        if let Some(model) = self.model(choice.kind).filter(|model| self.is_rejected(model)) {
+            let (bends, s) = self.tested_by([model]);
+            choice.words.push_str(&format!(" The {bends} reject{s} this line."));
         }
         Some(choice)
     }
@@ -85,7 +86,7 @@ impl Analysis {
             let words = format!("No model converged; the {} is the first line.", first.kind);
             return Some(ModelChoice { kind: first.kind, words });
         };
-        let and = if allowed.is_some() { " and that the bends do not reject" } else { "" };
+        let and = if allowed.is_some() { " and which is not rejected" } else { "" };
         let words = format!(
             "No line has a result on films that it was not fitted to; the {kind} is the first line whose model converged{and}."
         );

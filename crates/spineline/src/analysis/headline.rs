@@ -51,14 +51,17 @@ impl Analysis {
             listed(&lines.map(|(_, model)| format!("the {}", model.kind)).collect::<Vec<_>>())
         };
         let (rejected, kept) = (of(TestOutcome::Rejected), of(TestOutcome::Kept));
+        let (bends, s) = self.tested_by(found.iter().map(|(_, model)| *model));
         let sentence = match (rejected.is_empty(), kept.is_empty()) {
             (true, true) => None,
             (true, false) => Some(format!(
-                "The bends keep a single force along {kept}; this does not prove such a force."
+                "The {bends} keep{s} a single force along {kept}; this does not prove such a force."
             )),
-            (false, true) => Some(format!("The bends reject a single force along {rejected}.")),
+            (false, true) => {
+                Some(format!("The {bends} reject{s} a single force along {rejected}."))
+            }
             (false, false) => Some(format!(
-                "The bends reject a single force along {rejected}, and keep one along {kept}."
+                "The {bends} reject{s} a single force along {rejected}, and keep{s} one along {kept}."
             )),
         };
         let untested = found.iter().filter(|(one, _)| *one == TestOutcome::NotTested);
@@ -81,8 +84,12 @@ impl Analysis {
         let found: Vec<bool> = verdicts.iter().enumerate().map(is_found).collect();
         let missing = model.groups.titles().zip(&found).filter(|(_, found)| !**found);
         let missing: Vec<String> = missing.map(|(name, _)| name).collect();
-        let rejected = if self.is_rejected(model) { ", which the bends reject" } else { "" };
-        let (all, line) = (found.len(), format!("{}{rejected}", model.kind));
+        let (all, (bends, s)) = (found.len(), self.tested_by([model]));
+        let line = if self.is_rejected(model) {
+            format!("{}, which the {bends} reject{s}", model.kind)
+        } else {
+            model.kind.to_string()
+        };
         let (who, lack, open) = match tested {
             Some(_) => ("the films identify", "not identified", ""),
             None => ("the fit finds", "without a value", " (not tested)"),

@@ -125,8 +125,9 @@ impl Analysis {
     fn doubts(&self, line: &LineModel) -> Vec<String> {
         let rejected = self.compatibility(line).outcome() == TestOutcome::Rejected;
         let rejected = rejected.then(|| {
+            let (bends, s) = self.tested_by([line]);
             format!(
-                "the bends reject a single force along the {}, with which its stiffness was fitted",
+                "the {bends} reject{s} a single force along the {}, with which its stiffness was fitted",
                 line.kind
             )
         });

@@ -103,8 +103,10 @@ impl Analysis {
                         joints_against(&found.bends)
                     ),
                 };
+                let (bends, verb) = self.tested_by([model]);
+                let films = if verb.is_empty() { "bending films" } else { bends.as_str() };
                 sentences.push(format!(
-                    "A single force {force} is kept by the bending films: {joints}. {}",
+                    "A single force {force} is kept by the {films}: {joints}. {}",
                     what_kept_means(model.kind)
                 ));
             }
@@ -115,6 +117,20 @@ impl Analysis {
             TestOutcome::Kept | TestOutcome::Rejected => {}
         }
         sentences
+    }
+
+    /// The bends that test the lines of models, after "the", and the ending of their verb.
+    pub(super) fn tested_by<'a>(
+        &self,
+        models: impl IntoIterator<Item = &'a LineModel>,
+    ) -> (String, &'static str) {
+        let all = models.into_iter().flat_map(|model| self.compatibility(model).bends);
+        let tested = all.filter(|bend| bend.outcome() != TestOutcome::NotTested);
+        let mut bends = tested.map(|bend| bend.posture);
+        match bends.next() {
+            Some(first) if bends.all(|other| other == first) => (bend_name(first), "s"),
+            _ => ("bends".to_owned(), ""),
+        }
     }
 
     /// Why no bend tests a model's line.
