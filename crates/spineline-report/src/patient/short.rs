@@ -225,9 +225,13 @@ fn table(analysis: &Analysis) -> Table {
         }
     }
     let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| fixed(mm, 1));
-    let title = "Mean location errors on films that were not fitted";
+    let (title, line) = match (columns.is_empty(), analysis.movement.bends().count()) {
+        (false, _) => ("Mean location errors on films that were not fitted", "Prediction"),
+        (true, 1) => ("Lines tested by the bend", "Line"),
+        (true, _) => ("Lines tested by the bends", "Line"),
+    };
     let mut table = Table::of(title, rows, |add| {
-        add.words("Prediction", |(row, _)| prediction_words(analysis, *row));
+        add.words(line, |(row, _)| prediction_words(analysis, *row));
         add.words("Bends", |(row, _)| match row {
             FilmPredictor::Line(kind) => {
                 analysis.model(*kind).map_or_else(none, |model| outcome(analysis, model))
@@ -244,9 +248,17 @@ fn table(analysis: &Analysis) -> Table {
             });
         }
     });
-    table.note =
-        "With tilt: the tilt of the top is known too. * without mechanics. † two more numbers per film."
-            .to_owned();
+    let notes = [
+        ("With tilt", "With tilt: the tilt of the top is known too."),
+        ("*", "* without mechanics."),
+        ("†", "† two more numbers per film."),
+    ];
+    let has = |mark: &str| {
+        table.columns.iter().any(|column| column.head.contains(mark))
+            || table.rows.iter().any(|row| row[0].contains(mark))
+    };
+    let shown = notes.into_iter().filter(|(mark, _)| has(mark)).map(|(_, note)| note);
+    table.note = shown.collect::<Vec<_>>().join(" ");
     table
 }
 

@@ -16,7 +16,7 @@ use spineline_report::cohort::{self, PatientRow};
 use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, WarningCounts, terminal};
 
-use crate::common::{analyzed, case, cohort_of, rows, shown};
+use crate::common::{analyzed, case, cohort_of, rod_with_films, rows, shown};
 use crate::terminal::{tables, words as one_line};
 
 const WIDTH: usize = terminal::WIDTH;
@@ -214,6 +214,20 @@ fn a_line_that_the_bends_reject_gives_the_stiffness_only_where_no_other_can() {
     assert!(choice.words.ends_with(" The left bend rejects this line."), "{}", choice.words);
     let begin = "With the inflection line, which the left bend rejects, ";
     assert!(stiffness(&analysis).starts_with(begin), "{}", stiffness(&analysis));
+}
+
+#[test]
+fn one_bend_and_no_other_film_leave_no_errors_to_explain() {
+    let case = rod_with_films(0, &[Posture::Erect, Posture::LeftBending]);
+    let analysis = analyzed(&case);
+    let document = patient::summary(&shown(&case, &analysis, ""));
+    let text = first_screen(&document, 25);
+    assert!(text.contains("How sure? No film was left to test a prediction."), "{text}");
+    let table = tables(&document)[0];
+    let heads: Vec<&str> = table.columns.iter().map(|column| column.head.as_str()).collect();
+    assert_eq!(heads, ["Line", "Bends"]);
+    assert_eq!(table.caption, "Lines tested by the bend");
+    assert_eq!(table.note, "† two more numbers per film.");
 }
 
 #[test]

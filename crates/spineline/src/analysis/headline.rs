@@ -1,6 +1,6 @@
 //! The analysis of a patient in three sentences.
 
-use super::comparison::LinesCompared;
+use super::comparison::{FilmRole, LinesCompared};
 use super::verdict::{listed, mirrored_words};
 use super::{Analysis, LineModel, MultiplierVerdict};
 use crate::action::LineKind;
@@ -12,7 +12,7 @@ use crate::personalize::{Identifiability, IntervalVerdict, TestOutcome};
 pub struct Headline {
     /// How the bends test the lines; instead of this, what has to be checked first, or why the model is missing.
     pub line: String,
-    /// Which line predicts best, beside the best prediction without mechanics; `None` where no film was predicted.
+    /// Which line predicts best, beside the best prediction without mechanics; `None` without a model.
     pub prediction: Option<String>,
     /// How many stiffness values the fit finds, and the films identify where this was tested; `None` without a model.
     pub stiffness: Option<String>,
@@ -36,7 +36,7 @@ impl Analysis {
         });
         Headline {
             line: doubted.or_else(|| self.lines_headline()).unwrap_or_default(),
-            prediction: compared.prediction_headline(),
+            prediction: Some(compared.prediction_headline()),
             stiffness: Some(self.stiffness_headline(model, tested)),
             kind: Some(model.kind),
         }
@@ -109,12 +109,19 @@ impl Analysis {
 
 impl LinesCompared {
     /// Which line predicts best, beside the best prediction without mechanics.
-    fn prediction_headline(&self) -> Option<String> {
-        let ranking = self.ranking()?;
+    fn prediction_headline(&self) -> String {
+        let Some(ranking) = self.ranking() else {
+            let has_films = FilmRole::PREDICTED.into_iter().any(|role| self.count(role) > 0);
+            return if has_films {
+                "No line has a result on a film that it was not fitted to.".to_owned()
+            } else {
+                "No film was left to test a prediction.".to_owned()
+            };
+        };
         let films = self.ranked_films_words(&ranking);
         let (kind, mm) = ranking.best();
         if !ranking.is_prediction() {
-            return Some(self.no_prediction_words(&ranking));
+            return self.no_prediction_words(&ranking);
         }
         // Several lines are ranked only where each takes one number from a film.
         let line = if ranking.lines.len() > 1 {
@@ -125,7 +132,7 @@ impl LinesCompared {
         } else {
             format!("The {kind} predicts {films} with an error of {} mm", fixed(mm, 1))
         };
-        Some(match ranking.baseline {
+        match ranking.baseline {
             None => format!("{line}."),
             Some((baseline, without_mm)) if mm < without_mm => {
                 format!("{line}; without mechanics {} mm ({baseline}).", fixed(without_mm, 1))
@@ -136,6 +143,6 @@ impl LinesCompared {
                 fixed(without_mm, 1),
                 mirrored_words(baseline)
             ),
-        })
+        }
     }
 }
