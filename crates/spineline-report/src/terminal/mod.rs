@@ -135,11 +135,23 @@ fn words(text: &str) -> Vec<&str> {
 /// Breaks plain text into one or more lines of at most `width` columns. A longer word stands alone on a line. The heads of narrow
 /// columns may break after hyphens too. A no-break space becomes a space.
 fn wrapped(text: &str, width: usize, at_hyphens: bool) -> Vec<String> {
+    if at_hyphens {
+        filled(text, width, |word| word.split_inclusive('-').collect())
+    } else {
+        filled(text, width, |word| vec![word])
+    }
+}
+
+/// The same with words that may break between their pieces.
+fn filled<'a>(
+    text: &'a str,
+    width: usize,
+    pieces: impl Fn(&'a str) -> Vec<&'a str>,
+) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut columns = 0;
     for word in words(text) {
-        let pieces = if at_hyphens { word.split_inclusive('-').collect() } else { vec![word] };
-        for (place, piece) in pieces.into_iter().enumerate() {
+        for (place, piece) in pieces(word).into_iter().enumerate() {
             let line = lines.last_mut().expect("never empty");
             let blank = if place == 0 && !line.is_empty() { " " } else { "" };
             let wider = columns + blank.len() + piece.width();

@@ -3,14 +3,15 @@
 
 use unicode_width::UnicodeWidthStr;
 
-use super::{HANGING, plain, words, wrapped};
+use super::{HANGING, filled, plain, words, wrapped};
 use crate::document::Table;
 
 /// Between two columns.
 const GAP: &str = "  ";
 
 /// One table: its caption, heads, rule, rows and note. Heads and columns of words are wrapped where the table is wider than
-/// the width; numbers never are. Blanks at the start of a cell stay, and so does its row's place in the order.
+/// the width; numbers never are. A long name is broken only where whole words do not fit. Blanks at the start of a cell stay,
+/// and so does its row's place in the order.
 #[must_use]
 pub fn table(table: &Table, width: usize) -> String {
     let Parts { head, rows, note } = parts(table, width);
@@ -60,21 +61,23 @@ fn indented(cell: &str) -> String {
 }
 
 /// The width of every column. Cells have one line where there is room; then heads have as few lines as possible. Where
-/// cells need more room than there is, the widest columns of words are narrowed, and no word is cut.
+/// cells need more room than there is, the widest columns of words are narrowed, first to whole words and then to the pieces of
+/// long names ([`pieces`]).
 fn widths(heads: &[String], rows: &[Vec<String>], numeric: &[bool], room: usize) -> Vec<usize> {
     let column = |i: usize| rows.iter().map(move |row| row[i].as_str());
     let full: Vec<usize> = (0..heads.len())
         .map(|i| column(i).map(str::width).fold(narrowest(&heads[i]), usize::max))
         .collect();
-    let least: Vec<usize> = (0..heads.len())
-        .map(|i| {
+    let least = |longest: fn(&str) -> usize| -> Vec<usize> {
+        let of = |i: usize| {
             if numeric[i] {
                 full[i]
             } else {
-                column(i).map(longest_word).fold(narrowest(&heads[i]), usize::max)
+                column(i).map(longest).fold(narrowest(&heads[i]), usize::max)
             }
-        })
-        .collect();
+        };
+        (0..heads.len()).map(of).collect()
+    };
     let fits = |widths: &Vec<usize>| widths.iter().sum::<usize>() <= room;
     if fits(&full) {
         let longest = heads.iter().map(|head| head.width()).max().unwrap_or(0);
@@ -84,10 +87,14 @@ fn widths(heads: &[String], rows: &[Vec<String>], numeric: &[bool], room: usize)
         };
         return (1..=longest).map(in_lines).find(fits).unwrap_or(full);
     }
-    let narrowed = |limit: usize| -> Vec<usize> {
-        full.iter().zip(&least).map(|(&full, &least)| full.min(limit).max(least)).collect()
+    let narrowed = |least: &[usize]| -> Option<Vec<usize>> {
+        let to = |limit: usize| -> Vec<usize> {
+            full.iter().zip(least).map(|(&full, &least)| full.min(limit).max(least)).collect()
+        };
+        (1..=room).rev().map(to).find(fits)
     };
-    (1..=room).rev().map(narrowed).find(fits).unwrap_or(least)
+    let in_pieces = least(longest_piece);
+    narrowed(&least(longest_word)).or_else(|| narrowed(&in_pieces)).unwrap_or(in_pieces)
 }
 
 /// The least width in which a head has at most `lines` lines.
@@ -106,10 +113,34 @@ fn longest_word(cell: &str) -> usize {
     blanks + words(cell).into_iter().map(str::width).max().unwrap_or(0)
 }
 
+fn longest_piece(cell: &str) -> usize {
+    let blanks = cell.len() - cell.trim_start().len();
+    blanks + words(cell).into_iter().flat_map(pieces).map(str::width).max().unwrap_or(0)
+}
+
+/// The pieces of a name, each with the hyphen, point or low line at its end. A number is one piece.
+fn pieces(word: &str) -> Vec<&str> {
+    let mut pieces = Vec::new();
+    let mut start = 0;
+    for (place, mark) in word.match_indices(['-', '_', '.']) {
+        let end = place + mark.len();
+        let beside = [word[..place].chars().next_back(), word[end..].chars().next()];
+        let in_name = mark == "_" || beside.iter().flatten().any(|c| c.is_alphabetic());
+        if in_name && end < word.len() {
+            pieces.push(&word[start..end]);
+            start = end;
+        }
+    }
+    pieces.push(&word[start..]);
+    pieces
+}
+
 /// A cell in lines; those after the first one begin below its first word.
 fn cell_lines(cell: &str, width: usize) -> Vec<String> {
     let blanks = &cell[..cell.len() - cell.trim_start().len()];
-    let lines = wrapped(cell, width.saturating_sub(blanks.len()), false);
+    let room = width.saturating_sub(blanks.len());
+    let lines =
+        filled(cell, room, |word| if word.width() > room { pieces(word) } else { vec![word] });
     lines.iter().map(|line| format!("{blanks}{line}")).collect()
 }
 
@@ -212,6 +243,21 @@ mod tests {
         }
         // Too narrow for any layout: the words stay whole all the same.
         assert!(table(&example(&ROWS), 5).contains("identified"));
+    }
+
+    #[test]
+    fn long_names_break_after_their_marks_where_words_do_not_fit() {
+        let columns =
+            vec![Column::words("Patient"), Column::words("Verdict"), Column::numbers("mm")];
+        let mut rows = Table::new("", columns);
+        let name = "phantom-weight-and-couple-01-hinges";
+        rows.row([name, "not_identified.yet 0.45 mm", "12.1"].map(str::to_owned).to_vec());
+        let text = table(&rows, 40);
+        assert_eq!(
+            text.lines().skip(2).collect::<Vec<_>>(),
+            ["phantom-weight-   not_identified.   12.1", "and-couple-01-    yet 0.45 mm", "hinges"]
+        );
+        assert!(table(&rows, 61).contains(name), "whole words fit");
     }
 
     #[test]
