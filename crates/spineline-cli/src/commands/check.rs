@@ -32,7 +32,7 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
             .and_then(|input| analyze_input(&path, &input, &AnalysisOptions::default()));
         match analysis {
             Ok(analysis) => {
-                print(text(&path, &analysis))?;
+                print(text(&path, &analysis, width()))?;
             }
             Err(failure) => {
                 say(&failure);
@@ -43,27 +43,49 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
     Ok(ending)
 }
 
-/// The films of a case, its warnings, and the models that it supports.
-fn text(path: &Path, analysis: &Analysis) -> Lines {
+/// The films of a case, its warnings, and the models that it supports, in lines of this width.
+fn text(path: &Path, analysis: &Analysis, width: usize) -> Lines {
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
     let mut text = Lines::of(format!("{}: {}{synthetic}", path.display(), analysis.case_id));
-    text.text(&terminal::table(&films_table(analysis), width()));
+    text.text(&terminal::table(&films_table(analysis), width));
     let warnings: Vec<_> = film_warnings(analysis).collect();
     for warning in &warnings {
         let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));
         let level = warning.level.map_or_else(String::new, |l| format!("{l}: "));
         let note = format!("! {place}{level}{}", warning.text());
-        text.text(&terminal::paragraph(&note, width(), "  "));
+        text.text(&terminal::paragraph(&note, width, "  "));
     }
     if warnings.is_empty() {
         text.line("  no warnings about these films");
     }
     let lines: Vec<String> = analysis.models.iter().map(|m| m.kind.to_string()).collect();
-    text.line(if lines.is_empty() {
-        "  `analyze` gives the curve and the clinical angles".to_owned()
+    let analyze = if lines.is_empty() {
+        "`analyze` gives the curve and the clinical angles".to_owned()
     } else {
-        format!("  `analyze` can personalise with the {}", lines.join(", the "))
-    });
+        format!("`analyze` can personalise with the {}", lines.join(", the "))
+    };
+    text.text(&terminal::paragraph(&analyze, width, "  "));
     text.line("");
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use spineline::analysis::analyze;
+    use spineline_phantom::{Readers, Scenario, generate};
+
+    #[test]
+    fn no_line_is_wider_than_a_narrow_terminal() {
+        const NARROW: usize = 80;
+        let case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
+        let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom is sound");
+        let text = text(Path::new("case.json"), &analysis, NARROW);
+        for line in text.as_str().lines() {
+            assert!(line.chars().count() <= NARROW, "{line}");
+        }
+        let words = text.as_str().split_whitespace().collect::<Vec<_>>().join(" ");
+        let lines = "`analyze` can personalise with the inflection line, the iliac line, the estimated line";
+        assert!(words.contains(lines), "{words}");
+    }
 }
