@@ -58,7 +58,10 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
     let mut hypotheses: Vec<Hypothesis> = tests().map(|test| test.model).collect();
     hypotheses.dedup();
     let best = baselines.best(role, false)?;
-    let caption = format!("Loads and bases less predictions without mechanics, {role} (mm, 95 %)");
+    let has_intervals = tests().any(|test| test.comparison.bootstrap.is_some());
+    let interval = if has_intervals { ", 95 %" } else { "" };
+    let caption =
+        format!("Loads and bases less predictions without mechanics, {role} (mm{interval})");
     let mut table = Table::of(caption, &hypotheses, |add| {
         add.words("Load and base", |hypothesis| hypothesis.to_string());
         for baseline in against {
@@ -76,10 +79,14 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
         }
     });
     table.note = format!(
-        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. Predictions with the tilt of the top are compared with loads that know it too, by the published or the given distribution of rotations. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: likewise.",
+        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. Predictions with the tilt of the top are compared with loads that know it too, by the published or the given distribution of rotations. The best prediction without mechanics: {}, {} mm.",
         best.by,
         fixed(best.mean_mm(), 1)
     );
+    if tests().any(|test| test.outcome() != ComparisonOutcome::NotTested) {
+        table.note +=
+            " Better: significantly, after Holm's correction over these tests; worse: likewise.";
+    }
     (!hypotheses.is_empty()).then_some(table)
 }
 

@@ -200,6 +200,9 @@ fn requested_loads_and_bases_are_shown() {
     let analysis = analyze(&case, &options).expect("a phantom is sound");
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
     assert!(text.contains("Loads and bases compared (synthetic)"), "{text}");
+    // One patient has no interval and no test.
+    let caption = "Loads and bases less predictions without mechanics, bends left out (mm)\n";
+    assert!(text.contains(caption) && !text.contains("Better: significantly"), "{text}");
     let blocks = compare(&[&HypothesisScores::all(&analysis.hypotheses)[..]]);
     let [block] = &blocks[..] else { panic!("one block") };
     let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| fixed(value, 1));
