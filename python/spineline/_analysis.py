@@ -409,8 +409,9 @@ def analyze(
     case
         The films, or a case file as :func:`read_case` reads it.
     identifiability
-        Whether to compute which multipliers the bending films identify: 95 % intervals of the mean stiffness of their joints
-        (``interval_coverage`` in the JSON says how often they hold the true one), and profile likelihoods.
+        Whether to compute which multipliers the films identify: 95 % intervals of the mean stiffness of their joints, from the
+        joint rotations of all films (``interval_coverage`` in the JSON says how often they hold the true one), and profile
+        likelihoods from the bends.
     **options
         Options of the method by their names on the command line, with ``_``: see :class:`MethodOptions`.
 

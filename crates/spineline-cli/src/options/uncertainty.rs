@@ -9,8 +9,8 @@ use spineline_files::method_text::noise;
 #[derive(Args)]
 #[command(next_help_heading = "Uncertainty")]
 pub struct UncertaintyArgs {
-    /// Compute which multipliers the bending films identify: 95 % intervals of the mean stiffness of their joints,
-    /// profile likelihood, weakest direction
+    /// Compute which multipliers the films identify: 95 % intervals of the mean stiffness of their joints, from the joint rotations
+    /// of all films; profile likelihood and weakest direction from the bends
     #[arg(long)]
     pub identifiability: bool,
     #[command(flatten)]

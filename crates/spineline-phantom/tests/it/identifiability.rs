@@ -3,13 +3,16 @@
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use spineline::anatomy::Levels;
+use spineline::action::LineKind;
+use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::anatomy::{Levels, Posture};
 use spineline::measure::{Noise, Outline};
 use spineline::multibody::{JointGroups, Support};
 use spineline::personalize::{
     FitSettings, Identifiability, LogNormalPrior, Personalization, ProfileEnd, identify,
 };
 use spineline::spatial::{Angle, Frontal};
+use spineline_phantom::{Readers, Scenario, generate};
 
 use crate::exact_model::Patient;
 
@@ -164,4 +167,23 @@ fn a_prior_decides_unidentified_parameters_only() {
         "a prior that is certain leaves nothing to films"
     );
     assert!(fit.log_multipliers.iter().all(|log| log.abs() < 1e-3), "{:?}", fit.log_multipliers);
+}
+
+#[test]
+fn the_mean_of_the_joints_takes_all_films_and_the_multiplier_the_bends() {
+    let whole = generate(0, Scenario::Pull, &Readers::scaled(1.0), 1).expect("a subject").case;
+    let mut bends = whole.clone();
+    bends.films.retain(|film| film.posture == Posture::Erect || film.posture.bend().is_some());
+    let found = [whole, bends].map(|case| {
+        let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom is sound");
+        let model = analysis.model(LineKind::Iliac).expect("a model");
+        analysis.identifiability(model).expect("a converged fit").multipliers
+    });
+    let [whole, bends] = found;
+    for (a, b) in whole.iter().zip(&bends) {
+        assert!((a.log_multiplier - b.log_multiplier).abs() < 1e-9);
+        assert!((a.log_sd - b.log_sd).abs() < 1e-9 * a.log_sd);
+        let [mean, of_bends] = [a, b].map(|one| one.stiffness.expect("rotations determine it"));
+        assert!((mean.log_mean - of_bends.log_mean).abs() > 1e-3, "{mean:?} {of_bends:?}");
+    }
 }

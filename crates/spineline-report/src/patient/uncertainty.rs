@@ -34,7 +34,7 @@ pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
     }
 }
 
-/// Identifiability of every multiplier by the bending films.
+/// Identifiability of every multiplier: the mean of its joints by all films, the rest by the bends.
 pub fn identifiability(
     section: &mut Section,
     analysis: &Analysis,

@@ -88,8 +88,8 @@ impl LineModel {
 }
 
 impl Analysis {
-    /// Identifiability of a model's multipliers: intervals by the mixed model, profile likelihood, information, and what a prior adds; `None`
-    /// where its fit did not converge.
+    /// Identifiability of a model's multipliers: intervals by the mixed model from the joint rotations of all films; profile likelihood,
+    /// information, and what a prior adds, from the bends. `None` where its fit did not converge.
     ///
     /// Computed on request, because no other result depends on it: it takes tens of fits.
     #[must_use]

@@ -92,7 +92,8 @@ pub struct MultiplierInformation {
     pub log_sd_with_prior: Option<f64>,
     /// Profile likelihood, with the prior where there is one.
     pub profile: Profile,
-    /// Mean `ln` stiffness of its joints by the mixed model; `None` where the joint rotations do not determine it.
+    /// Mean `ln` stiffness of its joints by the mixed model, from the joint rotations of all films; `None` where these do not determine
+    /// it.
     pub stiffness: Option<GroupStiffness>,
 }
 
