@@ -4,8 +4,8 @@ use spineline::analysis::{Analysis, FilmMovement, LineModel};
 use spineline::anatomy::Level;
 use spineline::number::fixed;
 use spineline::personalize::{
-    GroupStiffness, Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd,
-    STIFFNESS_COVERAGE,
+    FitTarget, GroupStiffness, Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation,
+    ProfileEnd, STIFFNESS_COVERAGE,
 };
 use spineline::uncertainty::{
     AnalysisQuantity, QuantityKind, QuantitySpread, QuantityUnit, Uncertainty,
@@ -77,7 +77,7 @@ pub fn identifiability(
             }
             table.row(row);
         }
-        for notice in limits(model, found) {
+        for notice in limits(analysis, model, found) {
             section.notice(notice);
         }
     }
@@ -98,15 +98,19 @@ pub fn profiles(section: &mut Section, analysis: &Analysis, found: &[Option<Iden
 }
 
 /// Limits of the identifiability of one model's multipliers.
-fn limits(model: &LineModel, found: &Identifiability) -> Vec<Notice> {
+fn limits(analysis: &Analysis, model: &LineModel, found: &Identifiability) -> Vec<Notice> {
     let note = |text: String| Notice::new(NoticeKind::Note, format!("{}: {text}", model.kind));
     let mut notices = Vec::new();
     if found.variance_factor > 1.0 {
-        let times = found.variance_factor.sqrt();
-        notices.push(note(format!(
-            "the fit leaves {} times what noise explains; intervals are widened by that factor.",
-            fixed(times, 1)
-        )));
+        let times = fixed(found.variance_factor.sqrt(), 1);
+        let mut lines = analysis.comparison().lines.iter();
+        let left = match lines.find(|line| line.kind == model.kind).map(|line| line.target) {
+            Some(FitTarget::Ferguson) => {
+                format!("{times}° where 1° is assumed, which is not the noise of the films")
+            }
+            Some(FitTarget::Shape) | None => format!("{times} times what noise explains"),
+        };
+        notices.push(note(format!("the fit leaves {left}; intervals are widened by that factor.")));
     }
     if let Some(weakest) = found.directions.first() {
         let what = if weakest.gauge_share > 0.9 {

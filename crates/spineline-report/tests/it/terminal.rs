@@ -6,7 +6,9 @@ use spineline::anatomy::Level;
 use spineline::hypothesis::{Hypothesis, HypothesisScores, Role, compare};
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::number::{fixed, signed};
-use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
+use spineline::personalize::{
+    FitStatus, FitTarget, Identifiability, LogNormalPrior, StiffnessBound,
+};
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo, QuantityKind, Uncertainty};
 use spineline_phantom::Scenario;
@@ -267,6 +269,32 @@ fn requested_identifiability_and_prior_are_shown() {
         let least = format!("(sd of ln {})", deviation(weakest.log_sd));
         assert!(text.contains("Least known") && text.contains(&least), "{text}");
     }
+}
+
+#[test]
+fn a_fit_of_ferguson_angles_is_not_measured_by_the_noise_of_the_films() {
+    let case = case(1, Scenario::Rod);
+    let options = AnalysisOptions { target: FitTarget::Ferguson, ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a phantom is sound");
+    let found: Vec<Option<Identifiability>> =
+        analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
+    let text = terminal(&summary(&case, &analysis, Some(&found), None), WIDE);
+    let mut widened = 0;
+    for (model, found) in analysis.models.iter().zip(&found) {
+        let Some(found) = found.as_ref().filter(|found| found.variance_factor > 1.0) else {
+            continue;
+        };
+        let left = fixed(found.variance_factor.sqrt(), 1);
+        // The estimated line is fitted to whole shapes.
+        let what = match model.kind {
+            LineKind::Estimated => " times what noise explains",
+            _ => "° where 1° is assumed",
+        };
+        let said = format!("{}: the fit leaves {left}{what}", model.kind);
+        assert!(text.contains(&said), "{said} is missing in\n{text}");
+        widened += usize::from(model.kind != LineKind::Estimated);
+    }
+    assert!(widened > 0, "a wrong line leaves more than 1°");
 }
 
 #[test]

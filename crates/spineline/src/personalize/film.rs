@@ -182,7 +182,7 @@ impl<'a, F: FilmUnderLoad> FilmData<'a, F> {
     }
 }
 
-/// A Ferguson angle counts in degrees.
+/// A Ferguson angle counts in units of 1°: an assumption, and not the noise of the films.
 const FERGUSON_UNIT: Angle = Angle::from_deg(1.0);
 
 /// Where a film's rows stand in a system.

@@ -1,9 +1,9 @@
 //! Identifiability of every multiplier from the data of a fit: information, profile likelihood, and what a prior adds.
 //!
 //! # Equations
-//! Let `J_a` and `J_f` be the derivatives of the data's residuals, in standard deviations, by `ln alpha` and by the free
-//! loads, `Q` an orthonormal basis of the columns of `J_f`, and `phi` the variance factor. The information of the films on
-//! stiffness, with the loads free, is
+//! Let `J_a` and `J_f` be the derivatives of the data's residuals, in standard deviations (Ferguson angles: in units of 1°), by
+//! `ln alpha` and by the free loads, `Q` an orthonormal basis of the columns of `J_f`, and `phi` the variance factor. The information
+//! of the films on stiffness, with the loads free, is
 //!
 //! ```text
 //! A = (I - Q Q') J_a,    information = A' A / phi
@@ -50,9 +50,10 @@ pub const MULTIPLIER_COVERAGE: &str = "A 95 % interval of a multiplier holds the
 /// Identifiability of the multipliers from the data of a fit.
 ///
 /// # Definition
-/// Residuals count in standard deviations of their measurement. Where they exceed this noise, every deviation and limit below is
-/// widened by [`Identifiability::variance_factor`]. A prior is not widened. The scales of the films ([`crate::measure::FilmLength`])
-/// are held at the values found before the fit: everything here is conditional on them.
+/// Residuals of shapes count in standard deviations of their measurement, and Ferguson angles in units of 1°, an assumption.
+/// Where they exceed this, every deviation and limit below is widened by [`Identifiability::variance_factor`]. A prior is not
+/// widened. The scales of the films ([`crate::measure::FilmLength`]) are held at the values found before the fit: everything here is
+/// conditional on them.
 ///
 /// # References
 /// [raue-2009] for the profile likelihood; [gutenkunst-2007] for the directions.

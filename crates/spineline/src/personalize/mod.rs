@@ -3,8 +3,9 @@
 //! # Model
 //! Unknown are `ln α` per group of joints (lateral springs, shared by all bends) and the components of the load of every bend: one force
 //! along a line that geometry gives, three components for the estimated line and for other loads. The data are the whole shape, or as in
-//! [petit-2004] the Ferguson angles of three regions per bend with its amplitude held. Minimised is the sum of the squares of residuals in
-//! their standard deviations, of the prior and of the gauge.
+//! [petit-2004] the Ferguson angles of three regions per bend with its amplitude held. Minimised is the sum of the squares of residuals,
+//! of the prior and of the gauge. Residuals of shapes are in their standard deviations. Ferguson angles count in units of 1°, an
+//! assumption and not the noise of the films.
 //!
 //! # Only ratios are identified
 //! Scaling every spring and every force by one number changes no shape, so a [`Gauge`] fixes the level. Where the springs carry a weight,

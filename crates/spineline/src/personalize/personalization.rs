@@ -34,7 +34,7 @@ pub struct Personalization {
     /// Root mean square of the data's residuals: degrees for Ferguson angles, standard deviations for a shape.
     pub residual_rms: f64,
     /// Variance of the films about the model without a prior: sum of squares over the degrees of freedom, and at least
-    /// 1, which is noise alone.
+    /// 1, which is noise alone for a shape and the assumed 1° for Ferguson angles.
     pub variance_factor: f64,
     /// Singular values of the derivative of the data by the unknowns `(ln α, ln F)`: small ones are not identified.
     pub singular_values: Vec<f64>,
