@@ -1,4 +1,4 @@
-//! Contradictions between the statements of a film's file and those of a person: view, side and shape of a pixel.
+//! Contradictions between the file of a film and the answers of a person: view, side and shape of a pixel.
 
 use spineline::anatomy::{FilmView, ImageSide};
 use spineline::measure::Spacing;

@@ -151,7 +151,9 @@ impl Store {
         wanted: &[(Name, Role)],
         by: &Signature,
     ) -> Result<(), StoreError> {
-        names::distinct(wanted.iter().map(|(name, _)| name))?;
+        if let Some(name) = names::repeated(wanted.iter().map(|(name, _)| name)) {
+            return Err(StoreError::NameTwice { name: name.clone() });
+        }
         self.write(by, |ledger| {
             let transaction = ledger.transaction;
             films::study(transaction, study)?;

@@ -210,7 +210,7 @@ spineline::faults! {
             reading: ReadingId,
         },
         /// A reading with a number that does not follow the observer's earlier readings of the film.
-        #[error("{film}: there is no reading {repeat} to begin: the next reading of this observer is number {next}")]
+        #[error("{film}: the next reading of this observer is number {next}, not {repeat}")]
         #[help("begin the next reading of the film")]
         BadRepeat {
             /// Film.

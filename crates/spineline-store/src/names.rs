@@ -9,8 +9,6 @@ use serde::Serialize;
 use spineline::measure::is_observer_code;
 use spineline_files::sha256_hex;
 
-use crate::error::StoreError;
-
 /// The identifier of a study or of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`, without any patient's name. Dots
 /// alone are none: in an address, `.` and `..` are this page and the one above.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -36,20 +34,10 @@ impl fmt::Display for Name {
     }
 }
 
-/// The names of a list, each once.
-///
-/// # Errors
-/// [`StoreError::NameTwice`].
-pub(crate) fn distinct<'a>(
-    names: impl IntoIterator<Item = &'a Name>,
-) -> Result<BTreeSet<&'a Name>, StoreError> {
+/// The first name that is twice in a list.
+pub(crate) fn repeated<'a>(names: impl IntoIterator<Item = &'a Name>) -> Option<&'a Name> {
     let mut known = BTreeSet::new();
-    for name in names {
-        if !known.insert(name) {
-            return Err(StoreError::NameTwice { name: name.clone() });
-        }
-    }
-    Ok(known)
+    names.into_iter().find(|name| !known.insert(*name))
 }
 
 /// A moment in UTC, to the millisecond. The store never reads a clock: callers give the time.

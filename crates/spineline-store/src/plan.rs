@@ -270,7 +270,10 @@ fn insert(
     random: &mut dyn FnMut(&mut [u8]),
 ) -> Result<usize, StoreError> {
     let transaction = ledger.transaction;
-    let observers = names::distinct(observers)?;
+    if let Some(name) = names::repeated(observers) {
+        return Err(StoreError::NameTwice { name: name.clone() });
+    }
+    let observers: BTreeSet<&Name> = observers.iter().collect();
     let films = films::films(transaction, study)?;
     let slots = check(films.len(), observers.len(), design.repeats)?;
     if !readings::of_study(transaction, study)?.is_empty() {

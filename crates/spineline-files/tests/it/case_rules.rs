@@ -72,3 +72,42 @@ fn lenke_classes_picture_files_and_hashes_hold_no_other_text() {
         assert!(pointer != file || !error.contains("jane"), "{error}");
     }
 }
+
+#[test]
+fn one_picture_of_two_postures_is_refused_by_its_name_or_its_bytes() {
+    // Oracle: a film shows one posture, from one side.
+    let mut case = json();
+    let films = case["films"].as_array_mut().expect("films");
+    assert!(films.len() > 1);
+    for film in films {
+        let image = film["image"].as_object_mut().expect("an image");
+        image.remove("file");
+        image.remove("sha256");
+    }
+    case["lateral"] = serde_json::json!({
+        "image": { "columns": 900, "rows": 2500, "patient_anterior": "image_left" }
+    });
+    let with = |second: &str, key: &str, values: [&str; 2]| {
+        let mut case = case.clone();
+        for (place, value) in ["/films/0/image", second].into_iter().zip(values) {
+            case.pointer_mut(place).expect("an image")[key] = value.into();
+        }
+        parse_case(&case.to_string())
+    };
+    let (frontal, lateral) = ("/films/1/image", "/lateral/image");
+    let hash = "0123456789abcdef".repeat(4);
+    let other_hash = hash.replace('0', "f");
+    for (second, name) in [(frontal, "erect"), (lateral, "lateral")] {
+        for (key, value, other) in
+            [("file", "film.dcm", "other.dcm"), ("sha256", &hash[..], &other_hash[..])]
+        {
+            let error = with(second, key, [value; 2]).expect_err("one picture");
+            assert!(matches!(error, FileError::PictureTwice { .. }), "{error}");
+            let text = error.to_string();
+            assert!([value, "erect", name].iter().all(|word| text.contains(word)), "{text}");
+            assert!(with(second, key, [value, other]).is_ok());
+        }
+    }
+    let error = with(frontal, "sha256", [&hash, &hash.to_uppercase()]).expect_err("one picture");
+    assert!(matches!(error, FileError::PictureTwice { .. }), "{error}");
+}

@@ -1,9 +1,8 @@
-use std::fmt;
-
 use super::observer::OBSERVER_HELP;
 use super::order::out_of_order_words;
 use super::{
-    CornerFault, CornerOrder, FilmSize, FilmTooLarge, OBSERVER_RULE, PedicleFault, ReadingId,
+    CornerFault, CornerOrder, FilmPlace, FilmSize, FilmTooLarge, OBSERVER_RULE, PedicleFault,
+    ReadingId,
 };
 use crate::anatomy::{FilmView, Level, Levels, Posture};
 use crate::fault::{ErrorPlace, Remedy, faults};
@@ -48,50 +47,6 @@ impl MeasureError {
 impl Remedy for MeasureError {
     fn help(&self) -> &'static str {
         MeasureError::help(self)
-    }
-}
-
-/// A film, and on it a reading and a vertebra.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FilmPlace {
-    /// The film.
-    pub film: FilmView,
-    /// The reading.
-    pub reading: Option<ReadingId>,
-    /// The vertebra.
-    pub level: Option<Level>,
-}
-
-impl FilmPlace {
-    /// A reading of a film.
-    #[must_use]
-    pub fn reading(film: impl Into<FilmView>, id: &ReadingId) -> Self {
-        Self { film: film.into(), reading: Some(id.clone()), level: None }
-    }
-
-    /// A vertebra in a reading of a film.
-    #[must_use]
-    pub fn vertebra(film: impl Into<FilmView>, id: &ReadingId, level: Level) -> Self {
-        Self { level: Some(level), ..Self::reading(film, id) }
-    }
-}
-
-impl<F: Into<FilmView>> From<F> for FilmPlace {
-    fn from(film: F) -> Self {
-        Self { film: film.into(), reading: None, level: None }
-    }
-}
-
-impl fmt::Display for FilmPlace {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} film", self.film)?;
-        if let Some(id) = &self.reading {
-            write!(f, ", observer {id}")?;
-        }
-        if let Some(level) = self.level {
-            write!(f, ", {level}")?;
-        }
-        Ok(())
     }
 }
 

@@ -23,6 +23,7 @@ mod error;
 mod film;
 mod film_checks;
 mod film_length;
+mod film_place;
 mod film_size;
 mod frame;
 mod interpolation;
@@ -57,12 +58,13 @@ pub use axial::{AxialRotation, NashMoe, PedicleFault};
 pub use bodies::median;
 pub use corner_order::CornerOrder;
 pub use corners::{CornerFault, CornerName, Corners, EndplateTilts};
-pub use error::{FilmPlace, MeasureError, MeasureFault};
+pub use error::{MeasureError, MeasureFault};
 pub use film::{
     Film, FilmLandmarks, FilmTooLarge, IliacCrests, ImageGeometry, Placement, PlacementSource,
     Reading, ReadingId, VertebraLandmarks,
 };
 pub use film_length::{FilmLength, FilmLengthRule, FilmScale};
+pub use film_place::FilmPlace;
 pub use film_size::{FilmSize, SuspectedUnit};
 pub(crate) use frame::body_shapes;
 pub use frame::{FilmFrame, body_widths, endplate_centres};

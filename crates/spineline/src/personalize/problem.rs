@@ -71,7 +71,7 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
         self.films.iter().map(|film| self.rows_of(film)).sum()
     }
 
-    /// Those of the angles of noisy bases, which no film shows.
+    /// Rows of the angles of noisy bases, which no film shows.
     pub fn rows_of_bases(&self) -> usize {
         let shown = |film: &FilmData<'a, F>| film.shape_rows() - film.rows.count();
         match self.target() {
