@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
-from ._errors import InputError, NotAResultError
+from ._errors import InputError, NotAResultError, number
 from ._export import _Exportable, export
 from ._html import html_table, marked
 from ._loads import Load
@@ -101,8 +101,9 @@ class Model(_Exportable[_native.Model]):
         *loads
             :class:`Force`, :class:`Pad`, :class:`Rod`, :class:`Gravity`, or a load as a dictionary of a load file.
         amplitude_deg, towards
-            A lateral tilt of the line from the lowest to the highest vertebra against the axis of the lowest, in degrees, and
-            its side: the proportional loads then get the factor that gives this tilt. Without them, the loads have their full size.
+            A lateral tilt of the line from the lowest to the highest vertebra against the axis of the lowest, in degrees from 0 to
+            90, and its side: the proportional loads then get the factor that gives this tilt. Without them, the loads have their full
+            size.
         largest_factor
             The largest factor of the proportional loads that is tried.
         support
@@ -113,13 +114,9 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError
-            If a load cannot be applied to this model.
+            If a load cannot be applied to this model, or the tilt or its side is out of range.
         """
-        if (amplitude_deg is None) != (towards is None):
-            raise InputError(
-                "`amplitude_deg` and `towards` belong together", help="give both, or neither"
-            )
-        tilt = amplitude_deg if towards != "left" or amplitude_deg is None else -amplitude_deg
+        tilt = _tilt_right_deg(amplitude_deg, towards)
         given = [load if isinstance(load, dict) else load.as_load() for load in loads]
         text = json.dumps({"format": "spineline-load", "version": 1, "loads": given})
         return Simulation(self, (text, tilt, largest_factor, support), allow_unusable=allow_unusable)
@@ -211,6 +208,34 @@ class Model(_Exportable[_native.Model]):
         rows = [("line of action", self.line), ("forces", unit), ("vertebrae", f"{self.levels[0]} to {self.levels[-1]}")]
         return html_table(f"Model {marked(self.id, synthetic=self.synthetic)}", (), rows)
 
+
+def _tilt_right_deg(amplitude_deg: float | None, towards: str | None) -> float | None:
+    """The lateral tilt to the patient's right in degrees.
+
+    Raises
+    ------
+    InputError
+        If only one of both is given, the side is unknown, or the amplitude is not from 0 to 90.
+    """
+    if (amplitude_deg is None) != (towards is None):
+        raise InputError("`amplitude_deg` and `towards` belong together", help="give both, or neither")
+    if amplitude_deg is None:
+        return None
+    if towards not in ("left", "right"):
+        raise InputError(f"`towards` is `{towards}`", help='give "left" or "right", the patient\'s side')
+    amplitude = number("amplitude_deg", amplitude_deg)
+    if not 0.0 <= amplitude <= _LARGEST_AMPLITUDE_DEG:
+        raise InputError(
+            f"`amplitude_deg` is {amplitude:g}; it must be from 0 to {_LARGEST_AMPLITUDE_DEG:g}",
+            help="the side is `towards`",
+            value=amplitude,
+            limit=0.0 if amplitude < 0.0 else _LARGEST_AMPLITUDE_DEG,
+        )
+    return -amplitude if towards == "left" else amplitude
+
+
+_LARGEST_AMPLITUDE_DEG = 90.0
+"""Largest lateral tilt that is searched, as on the command line."""
 
 _Asked = tuple[str, float | None, float | None, str | None]
 """Input of a simulation: text of the load file, tilt to the right in degrees, largest factor, support."""

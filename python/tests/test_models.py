@@ -67,6 +67,21 @@ def test_an_amplitude_is_reached_on_its_side(analysis: sl.Analysis) -> None:
         analysis.model().simulate(sl.Force("T2", "left", 1.0), amplitude_deg=10.0)
 
 
+def test_an_unknown_side_or_an_impossible_amplitude_is_refused(analysis: sl.Analysis) -> None:
+    model, force = analysis.model(), sl.Force("T2", "left", 100.0)
+    for side in ("Left", "up", "", 1):
+        with pytest.raises(sl.InputError, match=f"`towards` is `{side}`") as caught:
+            model.simulate(force, amplitude_deg=10.0, towards=side)  # type: ignore[arg-type]
+        assert "left" in caught.value.help and "right" in caught.value.help
+    for amplitude, limit in ((-5.0, 0.0), (90.5, 90.0)):
+        with pytest.raises(sl.InputError, match="from 0 to 90") as caught:
+            model.simulate(force, amplitude_deg=amplitude, towards="left")
+        assert (caught.value.value, caught.value.limit) == (amplitude, limit)
+    for wrong in (float("nan"), float("inf"), "10"):
+        with pytest.raises(sl.InputError, match="`amplitude_deg` is .*\n.*finite number"):
+            model.simulate(force, amplitude_deg=wrong, towards="left")  # type: ignore[arg-type]
+
+
 def test_the_shape_of_a_search_without_a_result_raises(analysis: sl.Analysis) -> None:
     model, huge = analysis.model(), sl.Force("T2", "caudal", 1e6)
     found = model.simulate(huge)
