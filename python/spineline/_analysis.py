@@ -293,6 +293,11 @@ class Curve:
     def inflections_mm(self) -> Floats | None:
         """Places of the two inflections of the erect curve on this film, the caudal one first, shape (2, 2), in the frame of
         :attr:`points_mm`; None where the erect curve does not have both.
+
+        Raises
+        ------
+        InputError
+            If the film has no spacing.
         """
         return self._native.inflections(self.film)
 
@@ -307,7 +312,7 @@ class Curve:
         Raises
         ------
         InputError
-            If the film has no picture: its locations came from another program.
+            If the film has no spacing, or no picture: its locations came from another program.
         """
         pixels = self._native.to_pixels(self.film, [(float(y), float(z)) for y, z in points_mm])
         if pixels is None:

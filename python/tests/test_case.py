@@ -114,6 +114,15 @@ def test_locations_without_a_picture_have_no_pixels() -> None:
         curve.to_pixels(curve.points_mm)
 
 
+def test_a_film_without_a_scale_has_no_pixels_of_millimetres(case: sl.Case) -> None:
+    unscaled = sl.Case.from_landmarks(landmarks(case, "erect"), film="erect", synthetic=True)
+    curve = sl.analyze(unscaled).curve("erect")
+    for read in (lambda: curve.points_mm, lambda: curve.locations_mm, lambda: curve.to_pixels([[0.0, 0.0]])):
+        with pytest.raises(sl.InputError, match="no spacing") as caught:
+            read()
+        assert caught.value.film == "erect"
+
+
 def corners_px(readings: list[dict[str, dict[str, dict[str, object]]]]) -> list[object]:
     """All corners of all readings, without axes that were set by hand."""
     return [

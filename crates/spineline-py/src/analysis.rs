@@ -125,22 +125,29 @@ impl Analysis {
         })
     }
 
+    /// Refuses a film whose lengths are not known in mm.
+    fn check_scale(&self, film: &analysis::FilmMovement) -> Result<(), Fault> {
+        if film.outline.scale.mm(1.0).is_some() {
+            return Ok(());
+        }
+        let posture = film.outline.posture;
+        let text = format!(
+            "{}: the {} film has no spacing, so its curve is not known in millimetres",
+            self.analysis.case_id,
+            posture.key()
+        );
+        let help = "give the spacing of the film in the case";
+        Err(Fault::new(text, help).on_film(Some(posture)))
+    }
+
     /// Points of a film in mm.
     fn in_mm<'py, const N: usize>(
         &self,
         py: Python<'py>,
-        film: &str,
+        film: &analysis::FilmMovement,
         points: impl ExactSizeIterator<Item = [f64; N]>,
-        scale: &spineline::measure::LengthScale,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        if scale.mm(1.0).is_none() {
-            let text = format!(
-                "{}: the {film} film has no spacing, so its curve is not known in millimetres",
-                self.analysis.case_id
-            );
-            let help = "give the spacing of the film in the case";
-            return Err(Fault::new(text, help).into());
-        }
+        self.check_scale(film)?;
         numbers::points(py, points)
     }
 }
@@ -319,7 +326,7 @@ impl Analysis {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let posture = self.posture(film)?;
         let points = posture.pose.joints.iter().map(|point| [point.y_mm, point.z_mm]);
-        self.in_mm(py, film, points, &posture.outline.scale)
+        self.in_mm(py, posture, points)
     }
 
     /// Measured midpoints of the vertebrae of a film, the lowest first, and their names.
@@ -332,7 +339,7 @@ impl Analysis {
         let vertebrae = &posture.outline.vertebrae;
         let levels = vertebrae.iter().map(|vertebra| vertebra.level.to_string()).collect();
         let points = vertebrae.iter().map(|v| [v.location.y_mm, v.location.z_mm]);
-        Ok((levels, self.in_mm(py, film, points, &posture.outline.scale)?))
+        Ok((levels, self.in_mm(py, posture, points)?))
     }
 
     /// Places of the two inflections of the erect curve on a film, the caudal one first; None if the curve lacks them.
@@ -344,7 +351,7 @@ impl Analysis {
         let posture = self.posture(film)?;
         let Some(points) = posture.inflection_points else { return Ok(None) };
         let points = points.map(|point| [point.y_mm, point.z_mm]);
-        self.in_mm(py, film, points.into_iter(), &posture.outline.scale).map(Some)
+        self.in_mm(py, posture, points.into_iter()).map(Some)
     }
 
     /// Places of points of a film's frame on its picture: (n, 2), column and row; None without a picture.
@@ -355,6 +362,7 @@ impl Analysis {
         points: Vec<[f64; 2]>,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let posture = self.posture(film)?;
+        self.check_scale(posture)?;
         let marked = self.case.film(posture.outline.posture);
         let frame = marked.and_then(|marked| FilmFrame::of(marked, &posture.outline));
         let Some(frame) = frame else { return Ok(None) };

@@ -64,7 +64,8 @@ impl Fault {
         self.0.level.map(|level| level.to_string())
     }
 
-    fn on_film(mut self, posture: Option<Posture>) -> Self {
+    /// The same, of a film.
+    pub fn on_film(mut self, posture: Option<Posture>) -> Self {
         self.0.film = posture.map(|posture| posture.key().to_owned());
         self
     }
