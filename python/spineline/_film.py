@@ -67,7 +67,7 @@ class Film(_Exportable[_native.Case]):
     Parameters
     ----------
     landmarks
-        One of these. Landmarks that were not placed are NaN, None or empty. Left and right are the patient's.
+        One of these. Landmarks that were not placed are NaN, None, masked or empty. Left and right are the patient's.
 
         - Path or open file of landmarks: CSV, 3D Slicer, labelme, COCO, a DICOM report of Spineline, AASCE. Also ``zipfile.Path``,
           objects of fsspec, bytes, and the text of a file.

@@ -14,6 +14,10 @@ from ._extras import extra
 from ._tables import Table
 
 
+_NUMBERS = "iufOSU"
+"""Kinds of numpy types with real numbers: whole, decimal, objects, and texts."""
+
+
 def file_name(file: Any) -> str:
     """The name of an open file, without folders; empty without a name."""
     name = getattr(file, "name", None) or getattr(file, "path", None)
@@ -53,7 +57,7 @@ def landmark_source(landmarks: Any, levels: Sequence[str] | None, *, lateral: bo
     Raises
     ------
     InputError
-        If columns differ in length, or an array in shape from its levels.
+        If columns differ in length, an array differs in shape from its levels, or it does not hold real numbers.
     TypeError
         If it is neither file, table nor array.
     """
@@ -108,7 +112,14 @@ def _columns_of(array: Any, levels: Sequence[str] | None, sides: tuple[str, str]
     import numpy as np
 
     corners = [f"{endplate}_{side}" for endplate in ("superior", "inferior") for side in sides]
-    points = np.asarray(array, dtype=np.float64)
+    given = np.ma.asarray(array)
+    if given.dtype.kind not in _NUMBERS:
+        raise InputError(
+            f"the array holds values of the type {given.dtype}, which are not numbers of pixels",
+            help="give whole or decimal numbers; NaN, or a mask, where a landmark was not placed",
+        )
+    # A masked value was not placed.
+    points = np.where(np.ma.getmaskarray(given), np.nan, np.asarray(given, dtype=np.float64))
     if levels is None or points.shape != (len(levels), 4, 2):
         named = "no `levels`" if levels is None else f"{len(levels)} `levels`"
         raise InputError(

@@ -131,6 +131,31 @@ def test_an_array_gives_the_same_film_and_nan_is_not_placed(case: sl.Case, caplo
         with_facts(points, exact)
 
 
+def test_a_masked_point_of_an_array_was_not_placed() -> None:
+    exact = sl.phantom("rod", subject=1, noise=0.0).film("erect")
+    table = exact.landmarks
+    rows = [place for place, level in enumerate(table["vertebra"]) if level != "iliac_crests"]
+    levels = [table["vertebra"][row] for row in rows]
+    points = np.array([table[f"{corner}_{axis}_px"][rows] for corner in CORNERS for axis in AXES]).T.reshape(-1, 4, 2)
+    place, mask = levels.index("T9"), np.zeros(points.shape, dtype=bool)
+    mask[place] = True
+    masked = np.ma.array(points, mask=mask)
+    for given in (masked, list(masked), masked.astype(object)):
+        found = with_facts(given, exact, levels=levels)
+        assert found == with_facts(np.where(mask, np.nan, points), exact, levels=levels)
+        assert "T9" not in found.landmarks["vertebra"] and "T10" in found.landmarks["vertebra"]
+    mask[place, 1:] = False
+    with pytest.raises(sl.InputError, match="T9: landmarks missing: superior_left"):
+        with_facts(np.ma.array(points, mask=mask), exact, levels=levels)
+
+
+def test_an_array_without_real_numbers_is_refused(film: sl.Film) -> None:
+    points = np.zeros((1, 4, 2))
+    for wrong in (points + 1j, points > 0.0, points.astype("datetime64[s]")):
+        with pytest.raises(sl.InputError, match=f"type {wrong.dtype.name.split('[')[0]}.* not numbers"):
+            with_facts(wrong, film, levels=["L4"])
+
+
 def test_columns_of_other_names_and_remarks_are_read(film: sl.Film, tmp_path: Path) -> None:
     columns = {name: film.landmarks[name] for name in film.landmarks.columns}
     columns["Level"] = columns.pop("vertebra")
