@@ -149,6 +149,13 @@ def test_a_masked_point_of_an_array_was_not_placed() -> None:
         with_facts(np.ma.array(points, mask=mask), exact, levels=levels)
 
 
+def test_an_infinite_coordinate_is_refused_with_its_place(film: sl.Film) -> None:
+    columns = {name: list(film.landmarks[name]) for name in film.landmarks.columns}
+    columns["superior_left_row_px"][columns["vertebra"].index("T9")] = float("inf")
+    with pytest.raises(sl.InputError, match="`superior_left_row_px`: `inf` is not a number between"):
+        with_facts(columns, film)
+
+
 def test_an_array_without_real_numbers_is_refused(film: sl.Film) -> None:
     points = np.zeros((1, 4, 2))
     for wrong in (points + 1j, points > 0.0, points.astype("datetime64[s]")):

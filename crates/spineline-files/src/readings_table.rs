@@ -167,8 +167,8 @@ impl Columns {
             fault(format!("`repeat` is `{found}`; it must be a whole number from 1"))
         })?;
         let parsed = self.parsed(cell("value"));
-        // An empty value: nobody read the subject. An infinite number is an error of the program that wrote it.
-        if is_no_number(cell("value")) && !parsed.is_some_and(f64::is_infinite) {
+        // An empty value: nobody read the subject.
+        if is_no_number(cell("value")) {
             return Ok(false);
         }
         let value = parsed.filter(|value| value.is_finite()).ok_or_else(|| {

@@ -9,12 +9,13 @@ use spineline_files::{FileError, decode_text, parse_value};
 
 use super::LandmarkError;
 
-/// Reads JSON in UTF-8 or UTF-16. `NaN` and `Infinity`, which programs write for missing values, count as `null`.
+/// Reads JSON in UTF-8 or UTF-16. `NaN`, which programs write for missing values, counts as `null`. `Infinity` is read as a text, which
+/// the reader of a number refuses with its place.
 pub(super) fn parse_foreign<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, LandmarkError> {
     let text = decode_text(bytes).ok_or_else(|| LandmarkError::Unrecognised {
         reason: "its text is neither UTF-8 nor UTF-16".to_owned(),
     })?;
-    parse_text(&text).or_else(|error| match without_nan(&text) {
+    parse_text(&text).or_else(|error| match with_json_numbers(&text) {
         Some(text) => parse_text(&text),
         None => Err(error),
     })
@@ -36,15 +37,20 @@ fn parse_text<T: DeserializeOwned>(text: &str) -> Result<T, LandmarkError> {
     })
 }
 
-/// The text with `null` for every `NaN` and `Infinity` outside of quotes; `None` without any.
-fn without_nan(text: &str) -> Option<String> {
-    const WORDS: [&str; 4] = ["-Infinity", "Infinity", "NaN", "nan"];
+/// The text with `null` for every `NaN` outside of quotes, and quotes around every `Infinity`; `None` without any.
+fn with_json_numbers(text: &str) -> Option<String> {
+    const WORDS: [(&str, &str); 4] = [
+        ("-Infinity", "\"-Infinity\""),
+        ("Infinity", "\"Infinity\""),
+        ("NaN", "null"),
+        ("nan", "null"),
+    ];
     let mut clean = String::with_capacity(text.len());
     let (mut rest, mut found) = (text, false);
     while let Some(first) = rest.chars().next() {
-        let length = match WORDS.into_iter().find(|word| rest.starts_with(word)) {
-            Some(word) => {
-                clean.push_str("null");
+        let length = match WORDS.into_iter().find(|(word, _)| rest.starts_with(word)) {
+            Some((word, written)) => {
+                clean.push_str(written);
                 found = true;
                 rest = rest.get(word.len()..).unwrap_or_default();
                 continue;
@@ -158,10 +164,10 @@ mod tests {
     }
 
     #[test]
-    fn nan_and_infinity_become_null_outside_of_quotes() {
+    fn nan_becomes_null_and_infinity_a_text_outside_of_quotes() {
         let text = r#"{"a": [NaN, -Infinity, Infinity, nan], "NaN\"NaN": "Infinity"}"#;
-        let clean = r#"{"a": [null, null, null, null], "NaN\"NaN": "Infinity"}"#;
-        assert_eq!(without_nan(text).as_deref(), Some(clean));
-        assert_eq!(without_nan(r#"{"a": "NaN"}"#), None);
+        let clean = r#"{"a": [null, "-Infinity", "Infinity", null], "NaN\"NaN": "Infinity"}"#;
+        assert_eq!(with_json_numbers(text).as_deref(), Some(clean));
+        assert_eq!(with_json_numbers(r#"{"a": "NaN"}"#), None);
     }
 }

@@ -6,7 +6,8 @@ use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 use spineline_files::{is_no_number, whole_number};
 
-/// A number, or a missing one: `null`, `NaN`, an empty text. A number may be written as a text.
+/// A number, or a missing one: `null`, `NaN`, an empty text. A number may be written as a text. It may be infinite: the reader of its
+/// place refuses it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Loose(pub Option<f64>);
 
@@ -26,7 +27,7 @@ impl Visitor<'_> for LooseVisitor {
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Loose, E> {
-        Ok(Loose(value.is_finite().then_some(value)))
+        Ok(Loose((!value.is_nan()).then_some(value)))
     }
 
     fn visit_i64<E: Error>(self, value: i64) -> Result<Loose, E> {
@@ -45,10 +46,10 @@ impl Visitor<'_> for LooseVisitor {
         if is_no_number(text) {
             return Ok(Loose(None));
         }
-        let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
-        value
-            .map(|value| Loose(Some(value)))
-            .ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))
+        match text.trim().parse::<f64>() {
+            Ok(value) => self.visit_f64(value),
+            Err(_) => Err(E::invalid_value(Unexpected::Str(text), &self)),
+        }
     }
 }
 
@@ -93,6 +94,8 @@ mod tests {
         let read = |text: &str| serde_json::from_str::<Vec<Loose>>(text).expect(text);
         assert_eq!(read(r#"[1, 2.5, "3", -4]"#), [1.0, 2.5, 3.0, -4.0].map(|x| Loose(Some(x))));
         assert_eq!(read(r#"[null, "", "NaN", "-"]"#), [Loose(None); 4]);
+        let infinite = [f64::INFINITY, f64::NEG_INFINITY].map(|x| Loose(Some(x)));
+        assert_eq!(read(r#"["inf", "-Infinity"]"#), infinite);
         for bad in ["[[1]]", "[true]", "[\"left\"]"] {
             assert!(serde_json::from_str::<Vec<Loose>>(bad).is_err(), "{bad}");
         }

@@ -41,17 +41,17 @@ fn film_of(
     patient_left: ImageSide,
     at: &str,
 ) -> Result<MarkedFilm, LandmarkError> {
+    // Not placed: MATLAB writes NaN. An infinite number is an error of the program that wrote it.
+    let is_absent = |point: &[f64; 2]| point.iter().any(|x| x.is_nan());
     let mut vertebrae = BTreeMap::new();
     // The set counts from T1 downwards.
     for (four, level) in points.chunks_exact(4).zip(Level::ALL.into_iter().rev()) {
-        let absent = four.iter().filter(|point| !point.iter().all(|x| x.is_finite())).count();
-        // Not placed: MATLAB writes NaN.
+        let absent = four.iter().filter(|point| is_absent(point)).count();
         if absent == four.len() {
             continue;
         }
         if absent > 0 {
-            let is_absent = |(_, point): &(&str, &[f64; 2])| !point.iter().all(|x| x.is_finite());
-            let missing = PLACES.into_iter().zip(four).filter(is_absent);
+            let missing = PLACES.into_iter().zip(four).filter(|(_, point)| is_absent(point));
             return Err(LandmarkError::Incomplete {
                 what: format!("{at}, {level}"),
                 missing: missing.map(|(place, _)| format!("{place} of the picture")).collect(),

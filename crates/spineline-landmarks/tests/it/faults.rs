@@ -130,11 +130,11 @@ fn f21_and_f22_an_absent_vertebra_is_accepted_and_not_interpolated() {
 
 #[test]
 fn f24_an_invalid_number_is_reported_with_its_cell() {
-    for value in ["NaN", "inf", ""] {
+    for value in ["NaN", ""] {
         let text = table(&[row(Level::T5)]).replacen(",546,", &format!(",{value},"), 1);
         refused(&text, &["line 2, T5", "missing: superior_left"]);
     }
-    for value in ["1e308", "-1e7", "12 px", "=1+2", "0x10", "1,5"] {
+    for value in ["inf", "-Infinity", "1e308", "-1e7", "12 px", "=1+2", "0x10", "1,5"] {
         let quoted = format!("\"{value}\"");
         let text = table(&[row(Level::T5)]).replacen(",546,", &format!(",{quoted},"), 1);
         refused(&text, &["line 2", "superior_left_column_px"]);

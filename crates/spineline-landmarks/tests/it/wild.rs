@@ -109,7 +109,7 @@ fn a_row_is_named_by_its_line_with_any_ends_of_lines() {
 
 #[test]
 fn rows_without_numbers_are_not_placed_in_any_spelling() {
-    for blank in ["", "NaN", "NA", "n/a", "-", "null", "None", "#N/A", "inf", "<NA>"] {
+    for blank in ["", "NaN", "NA", "n/a", "-", "null", "None", "#N/A", "<NA>"] {
         let cells = [blank; 8].join(",");
         let text = table().replacen(&row(Level::T12), &format!("erect,A,1,T12,{cells}"), 1);
         let file = read(&text);
@@ -184,15 +184,8 @@ fn coco(names: [&str; 4], category: &str, first: &str) -> String {
 
 #[test]
 fn a_key_point_that_was_not_placed_is_missing_by_its_name() {
-    for first in [
-        "NaN,NaN,0",
-        "null,null,0",
-        "0,0,0",
-        "NaN,NaN,2",
-        "Infinity,1,2",
-        "\"\",\"\",0",
-        "null,null,null",
-    ] {
+    for first in ["NaN,NaN,0", "null,null,0", "0,0,0", "NaN,NaN,2", "\"\",\"\",0", "null,null,null"]
+    {
         let error =
             refused(coco(CORNERS, "T5", first).as_bytes(), &["T5", "missing: superior_left"]);
         assert!(matches!(error, LandmarkError::Incomplete { .. }), "{first}: {error:?}");
@@ -206,6 +199,17 @@ fn a_key_point_that_was_not_placed_is_missing_by_its_name() {
         let text = text.replacen("\"keypoints\":[50,7,2,10,5,2,52,30,2,12,29,1]", none, 1);
         assert_eq!(parse_coco(text.as_bytes(), &hint()).expect(none).films[0].vertebrae(), 1);
     }
+}
+
+#[test]
+fn an_infinite_number_is_refused_with_its_place() {
+    for (first, shown) in [("Infinity,1,2", "`inf`"), ("1,-Infinity,2", "`-inf`")] {
+        let text = coco(CORNERS, "T5", first);
+        refused(text.as_bytes(), &["T5", "superior_left", shown, "is not a number between"]);
+    }
+    let cells = ["inf"; 8].join(",");
+    let text = table().replacen(&row(Level::T12), &format!("erect,A,1,T12,{cells}"), 1);
+    refused(text.as_bytes(), &["line 6", "superior_left_column_px", "`inf`"]);
 }
 
 #[test]
@@ -375,6 +379,9 @@ fn what_matlab_marks_as_no_number_is_not_placed() {
     points[5] = [f64::NAN; 2];
     let error = parse_mat(&mat(&points), &hint()).expect_err("half of T2").to_string();
     assert!(error.contains("T2") && error.contains("upper right"), "{error}");
+    points[5] = [f64::INFINITY, 1.0];
+    let error = parse_mat(&mat(&points), &hint()).expect_err("infinite").to_string();
+    assert!(error.contains("T2") && error.contains("`inf`"), "{error}");
 }
 
 #[test]
