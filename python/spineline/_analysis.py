@@ -227,10 +227,10 @@ class Analysis(_Exportable[_native.Analysis]):
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`save`.
         """
-        return export(path, self._native.report_html(), overwrite=overwrite)
+        return export(path, self._native.report_html(), overwrite=overwrite, sources=self._native.sources)
 
     def __repr__(self) -> str:
         synthetic = ", SYNTHETIC" if self.synthetic else ""

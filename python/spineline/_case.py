@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -168,7 +169,7 @@ class Case(_Exportable[_native.Case]):
         Raises
         ------
         InputError
-            If the film is missing, or the format cannot hold it.
+            If the film is missing, the format cannot hold it, or a file is one that the case was made from; then no file is written.
         FileExistsError
             If a file exists and ``overwrite`` was not given; then no file is written.
         """
@@ -218,7 +219,8 @@ class Case(_Exportable[_native.Case]):
         for note in notes:
             logging.getLogger("spineline").warning("%s: %s", self.id, note)
         Path(folder).mkdir(parents=True, exist_ok=True)
-        return export_all(folder, dict(files), overwrite=overwrite)
+        sources = [*self._native.sources, *(_sha256(source) for source in dicom.values())]
+        return export_all(folder, dict(files), overwrite=overwrite, sources=sources)
 
     def check(self) -> Check:
         """Errors and warnings about the films, before any result. Jupyter shows it as a table.
@@ -310,6 +312,11 @@ class Check:
 
     def _repr_html_(self) -> str:
         return self._html
+
+
+def _sha256(source: str | os.PathLike[str] | bytes) -> str:
+    """SHA-256 of a file or of its bytes."""
+    return hashlib.sha256(source if isinstance(source, bytes) else Path(source).read_bytes()).hexdigest()
 
 
 def read_case(file: str | os.PathLike[str] | Any) -> Case:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
+from ._errors import InputError
 from ._run import write_whole
 
 if TYPE_CHECKING:
@@ -16,6 +19,8 @@ if TYPE_CHECKING:
 class _Native(Protocol):
     """A native object with the text of its file."""
 
+    @property
+    def sources(self) -> list[str]: ...
     def to_json(self) -> str: ...
 
 
@@ -41,10 +46,12 @@ class _Exportable(Generic[_N]):
         ------
         FileExistsError
             If the file exists and ``overwrite`` was not given.
+        InputError
+            If the file is one that this object was made from, such as the case, landmarks or a picture; also with ``overwrite``.
         OSError
             If it cannot be written.
         """
-        return export(path, self.to_json(), overwrite=overwrite)
+        return export(path, self.to_json(), overwrite=overwrite, sources=self._native.sources)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, type(self)) and self._native == other._native
@@ -61,27 +68,37 @@ class _Exportable(Generic[_N]):
         return self
 
 
-def export(path: str | os.PathLike[str], text: str, *, overwrite: bool) -> Path:
+def export(path: str | os.PathLike[str], text: str, *, overwrite: bool, sources: Collection[str]) -> Path:
     """Writes a text whole or not at all; returns the path.
 
     Raises
     ------
-    FileExistsError
-        If the file exists and ``overwrite`` was not given.
-    OSError
-        If it cannot be written.
+    FileExistsError, InputError, OSError
+        As :func:`export_all`.
     """
-    [written] = export_all(Path(path).parent, {Path(path).name: text.encode()}, overwrite=overwrite)
+    files = {Path(path).name: text.encode()}
+    [written] = export_all(Path(path).parent, files, overwrite=overwrite, sources=sources)
     return written
 
 
-def export_all(folder: str | os.PathLike[str], files: dict[str, bytes], *, overwrite: bool) -> list[Path]:
+def export_all(
+    folder: str | os.PathLike[str], files: dict[str, bytes], *, overwrite: bool, sources: Collection[str]
+) -> list[Path]:
     """Writes files into a folder, each whole or not at all; returns their paths.
+
+    Parameters
+    ----------
+    folder, files, overwrite
+        Folder, contents by name, and whether files that exist are replaced.
+    sources
+        SHA-256 of files that are never replaced.
 
     Raises
     ------
     FileExistsError
         If one of the files exists and ``overwrite`` was not given; then no file is written.
+    InputError
+        If one of the files is a source; then no file is written.
     OSError
         If a file cannot be written.
     """
@@ -89,4 +106,10 @@ def export_all(folder: str | os.PathLike[str], files: dict[str, bytes], *, overw
     for path in paths:
         if not overwrite and os.path.lexists(path):
             raise FileExistsError(errno.EEXIST, "the file exists; give `overwrite=True`", str(path))
+        if sources and path.is_file() and hashlib.sha256(path.read_bytes()).hexdigest() in sources:
+            raise InputError(
+                f"{path} is not written: it is an input of this result, which would be destroyed",
+                help="name another file",
+                file=str(path),
+            )
     return [write_whole(path, content) for path, content in zip(paths, files.values(), strict=True)]

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
+_Format = Literal["mjcf", "osim", "sto", "loads", "urdf", "vtp", "gltf"]
+"""Formats of other programs."""
+
+
 class Model(_Exportable[_native.Model]):
     """A personalised model: vertebrae, joints, springs, and the loads that were found. It does not change.
 
@@ -121,16 +125,20 @@ class Model(_Exportable[_native.Model]):
         text = json.dumps({"format": "spineline-load", "version": 1, "loads": given})
         return Simulation(self, (text, tilt, largest_factor, support), allow_unusable=allow_unusable)
 
+    def _export(self, format: _Format, path: str | os.PathLike[str], *, overwrite: bool) -> Path:
+        """Writes the model in the format of another program."""
+        return export(path, self._native.export(format), overwrite=overwrite, sources=self._native.sources)
+
     def to_mujoco(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the model for MuJoCo (MJCF), in m, N and rad, with a keyframe and a force per film; whole or not at all. Returns the
         path.
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`save`.
         """
-        return export(path, self._native.export("mjcf"), overwrite=overwrite)
+        return self._export("mjcf", path, overwrite=overwrite)
 
     def to_opensim_films(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes pose and force of every film as a motion (`.sto`) of the model from :meth:`to_opensim`, in rad, N and m; whole or
@@ -138,10 +146,10 @@ class Model(_Exportable[_native.Model]):
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`save`.
         """
-        return export(path, self._native.export("sto"), overwrite=overwrite)
+        return self._export("sto", path, overwrite=overwrite)
 
     def to_opensim_loads(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes OpenSim's ExternalLoads with the forces of the films, which it reads from the motion of :meth:`to_opensim_films` as
@@ -149,30 +157,30 @@ class Model(_Exportable[_native.Model]):
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`save`.
         """
-        return export(path, self._native.export("loads"), overwrite=overwrite)
+        return self._export("loads", path, overwrite=overwrite)
 
     def to_opensim(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the model for OpenSim 4, in m, N and rad, with a force per film; whole or not at all. Returns the path.
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`save`.
         """
-        return export(path, self._native.export("osim"), overwrite=overwrite)
+        return self._export("osim", path, overwrite=overwrite)
 
     def to_urdf(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the model as URDF, in m, N and rad; whole or not at all. Returns the path.
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`save`.
         """
-        return export(path, self._native.export("urdf"), overwrite=overwrite)
+        return self._export("urdf", path, overwrite=overwrite)
 
     def to_vtk(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the vertebral bodies with their angles as VTK PolyData (`.vtp`), in mm, in the frame of 3D Slicer's files (LPS).
@@ -181,10 +189,10 @@ class Model(_Exportable[_native.Model]):
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`save`.
         """
-        return export(path, self._native.export("vtp"), overwrite=overwrite)
+        return self._export("vtp", path, overwrite=overwrite)
 
     def to_gltf(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the vertebral bodies as glTF 2.0 (`.gltf`), in m, with x left, y cranial, z anterior.
@@ -193,10 +201,10 @@ class Model(_Exportable[_native.Model]):
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`save`.
         """
-        return export(path, self._native.export("gltf"), overwrite=overwrite)
+        return self._export("gltf", path, overwrite=overwrite)
 
     def __repr__(self) -> str:
         unit = "forces in newtons" if self.absolute else "relative forces"

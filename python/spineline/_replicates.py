@@ -78,6 +78,7 @@ class Replicates(Mapping[str, Spread]):
             for name, one in native.spreads().items()
         }
         self._json = native.to_json()
+        self._sources = native.sources
         self._table: _native.Table | None = native.table()
         self.n: int = native.count
         """Replicates that were run."""
@@ -160,10 +161,10 @@ class Replicates(Mapping[str, Spread]):
 
         Raises
         ------
-        OSError
+        InputError, OSError
             As :meth:`Analysis.save`.
         """
-        return export(path, self._json, overwrite=overwrite)
+        return export(path, self._json, overwrite=overwrite, sources=self._sources)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Replicates) and self._spreads == other._spreads

@@ -251,6 +251,39 @@ def test_a_file_is_replaced_only_with_overwrite(analysis: sl.Analysis, tmp_path:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_an_input_is_never_replaced(tmp_path: Path) -> None:
+    path = sl.phantom("rod", subject=1).save(tmp_path / "case.json")
+    before = path.read_bytes()
+    found = sl.analyze(path)
+    model = found.model()
+    loaded = model.simulate(sl.Pad("T9", towards="left", force=10))
+    writers = [found.save, found.report, found.case.save, model.save, model.to_mujoco, loaded.save]
+    for write in (*writers, sl.replicates(found, n=2).save):
+        with pytest.raises(sl.InputError, match="is an input of this result, which would be destroyed") as caught:
+            write(path, overwrite=True)
+        assert caught.value.file == str(path) and path.read_bytes() == before
+    with pytest.raises(sl.InputError, match="would be destroyed"):
+        sl.Case.from_films([found.case.film("erect")]).save(path, overwrite=True)
+
+
+def test_landmarks_and_pictures_of_a_case_are_never_replaced(tmp_path: Path) -> None:
+    films = sl.phantom("rod", subject=1)
+    [table] = films.to_csv(tmp_path, film="erect")
+    picture = tmp_path / "erect.png"
+    picture.write_bytes(b"a picture")
+    film = sl.Film(table, film="erect", mm_per_px=0.1, picture=picture, size_px=(5000, 6000))
+    case = sl.Case.from_films([film], synthetic=True)
+    before = table.read_bytes()
+    for write in (case.save, sl.analyze(case).save, film.save):
+        for path in (table, picture):
+            with pytest.raises(sl.InputError, match="would be destroyed"):
+                write(path, overwrite=True)
+    with pytest.raises(sl.InputError, match="would be destroyed"):
+        case.to_csv(tmp_path, overwrite=True)
+    assert table.read_bytes() == before and picture.read_bytes() == b"a picture"
+
+
+
 def test_threads_give_the_same(case: sl.Case, analysis: sl.Analysis) -> None:
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda _: sl.analyze(case), range(8)))

@@ -37,6 +37,8 @@ pub struct Analysis {
     pub analysis: analysis::Analysis,
     pub request: Request,
     pub provenance: Provenance,
+    /// SHA-256 of other files that its films came from.
+    pub made_from: Vec<String>,
     pub identifiability: Option<Vec<Option<Identifiability>>>,
 }
 
@@ -180,6 +182,7 @@ impl Analysis {
             analysis: found,
             request,
             provenance,
+            made_from: case.made_from.clone(),
             identifiability,
         })
     }
@@ -198,6 +201,7 @@ impl Analysis {
             case,
             analysis: found,
             provenance: stored.provenance.asking(&request),
+            made_from: Vec::new(),
             request,
             identifiability,
         };
@@ -259,7 +263,15 @@ impl Analysis {
             file: Arc::clone(&self.file),
             case: Arc::clone(&self.case),
             input: self.provenance.inputs().first().cloned(),
+            made_from: self.made_from.clone(),
         }
+    }
+
+    /// SHA-256 of every known file that it was made from: of the case, and of its options.
+    #[getter]
+    pub fn sources(&self) -> Vec<String> {
+        let inputs = self.provenance.inputs().iter().map(|input| input.sha256.clone());
+        self.case().sources().into_iter().chain(inputs).collect()
     }
 
     /// Every warning, in the order of the steps.

@@ -27,12 +27,14 @@ pub struct Case {
     pub case: Arc<analysis::Case>,
     /// The file that it was read from.
     pub input: Option<InputFile>,
+    /// SHA-256 of other files that its films came from, such as landmarks.
+    pub made_from: Vec<String>,
 }
 
 impl Case {
     pub fn new(file: CaseFile, input: Option<InputFile>) -> Result<Self, Fault> {
         let case = file.clone().into_case()?;
-        Ok(Self { file: Arc::new(file), case: Arc::new(case), input })
+        Ok(Self { file: Arc::new(file), case: Arc::new(case), input, made_from: Vec::new() })
     }
 
     /// Frontal films, then the lateral one.
@@ -114,6 +116,18 @@ impl Case {
     #[getter]
     fn views(&self) -> Vec<&'static str> {
         self.all_films().into_iter().map(FilmView::key).collect()
+    }
+
+    /// SHA-256 of every known file that it was made from: case file, landmarks and pictures.
+    #[getter]
+    pub fn sources(&self) -> Vec<String> {
+        let pictures = self.all_films().into_iter().filter_map(|view| match view {
+            FilmView::Frontal(posture) => self.file.source(posture),
+            FilmView::Lateral => self.file.lateral_source(),
+        });
+        let input = self.input.iter().map(|input| input.sha256.clone());
+        let files = input.chain(self.made_from.iter().cloned());
+        files.chain(pictures.filter_map(|picture| picture.sha256)).collect()
     }
 
     /// Errors and warnings about the films, one dictionary each, and the whole as text and as HTML.

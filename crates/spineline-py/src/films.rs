@@ -64,7 +64,8 @@ pub fn case_of_films(
     let lateral = parts.iter().find_map(|one| one.case.lateral.clone());
     let case = analysis::Case { synthetic, lateral, ..analysis::Case::of_films(case_id, films) };
     let file = parts.iter().fold(CaseFile::from_case(&case), |file, one| with_pictures(file, one));
-    Case::new(file, None)
+    let made_from = parts.iter().flat_map(|one| one.sources()).collect();
+    Ok(Case { made_from, ..Case::new(file, None)? })
 }
 
 /// Names the pictures of the films of another case.
@@ -92,7 +93,8 @@ pub fn film_of(case: &Case, name: &str) -> Result<Case, Fault> {
     }
     let synthetic = case.case.synthetic;
     let alone = analysis::Case { synthetic, lateral, ..analysis::Case::of_films(ALONE, films) };
-    Case::new(with_pictures(CaseFile::from_case(&alone), case), None)
+    let made = Case::new(with_pictures(CaseFile::from_case(&alone), case), None)?;
+    Ok(Case { made_from: case.sources(), ..made })
 }
 
 /// The plane of the millimetres of a case with one frontal film; None for a lateral film.

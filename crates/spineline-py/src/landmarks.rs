@@ -104,7 +104,12 @@ pub fn films_of_landmarks(
         Some(FilmView::Lateral) => Ok((vec![lateral(&source, &given)?], Vec::new())),
         view => frontal(&source, view.and_then(FilmView::posture), &given),
     };
-    read().map_err(|fault| source.in_fault(fault))
+    let (mut films, remarks) = read().map_err(|fault| source.in_fault(fault))?;
+    let sha256 = source.bytes().ok().map(|bytes| sha256_hex(&bytes));
+    for film in &mut films {
+        film.made_from.extend(sha256.clone());
+    }
+    Ok((films, remarks))
 }
 
 impl FilmOptions {

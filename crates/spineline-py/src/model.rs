@@ -11,7 +11,7 @@ use spineline::multibody::{Goal, Support};
 use spineline::response::{CurveAngles, measure_angles};
 use spineline::spatial::Angle;
 use spineline_files::{
-    ExportFormat, ModelFile, Simulated, export, parse_load, parse_model, results_text,
+    ExportFormat, ModelFile, Provenance, Simulated, export, parse_load, parse_model, results_text,
     text_with_hash, to_text,
 };
 
@@ -26,17 +26,22 @@ use crate::wait::apart;
 pub struct Model {
     text: String,
     model: PersonalisedModel,
+    /// SHA-256 of every known file that it was made from.
+    sources: Vec<String>,
 }
 
 /// Reads a model from the text of its file.
 #[pyfunction]
 pub fn parse_model_text(text: String) -> Result<Model, Fault> {
-    let model = parse_model(&text)?.model;
+    let stored = parse_model(&text)?;
+    let inputs = stored.provenance.iter().flat_map(Provenance::inputs);
+    let sources = inputs.map(|input| input.sha256.clone()).collect();
+    let model = stored.model;
     if model.spine.joints.is_empty() {
         let help = "give a model of at least two vertebrae";
         return Err(Fault::new("the model has no joint", help));
     }
-    Ok(Model { text, model })
+    Ok(Model { text, model, sources })
 }
 
 #[pymethods]
@@ -61,7 +66,8 @@ impl Model {
         };
         let provenance = Some(analysis.provenance.clone());
         let file = ModelFile::new(found, model, &generator(), provenance);
-        parse_model_text(text_with_hash(to_text(&file)))
+        let made = parse_model_text(text_with_hash(to_text(&file)))?;
+        Ok(Self { sources: analysis.sources(), ..made })
     }
 
     /// Identifier of the case.
@@ -92,6 +98,12 @@ impl Model {
     #[getter]
     fn levels(&self) -> Vec<String> {
         self.model.levels.iter().map(ToString::to_string).collect()
+    }
+
+    /// SHA-256 of every known file that it was made from.
+    #[getter]
+    fn sources(&self) -> Vec<String> {
+        self.sources.clone()
     }
 
     /// Midpoints of the erect vertebrae.
@@ -145,7 +157,7 @@ impl Model {
             })
         })?;
         let found = found.map_err(|error| Fault::new(&error, error.help()))?;
-        Ok(Simulation { found })
+        Ok(Simulation { found, sources: self.sources.clone() })
     }
 
     fn __eq__(&self, other: &Self) -> bool {
@@ -157,6 +169,8 @@ impl Model {
 #[pyclass(frozen, module = "spineline._native")]
 pub struct Simulation {
     found: Simulated,
+    /// SHA-256 of every known file that the model was made from.
+    sources: Vec<String>,
 }
 
 #[pymethods]
@@ -177,6 +191,12 @@ impl Simulation {
     #[getter]
     fn is_usable(&self) -> bool {
         self.found.response.ending.is_usable()
+    }
+
+    /// SHA-256 of every known file that the model was made from.
+    #[getter]
+    fn sources(&self) -> Vec<String> {
+        self.sources.clone()
     }
 
     /// Code and text of every warning.

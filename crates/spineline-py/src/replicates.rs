@@ -100,6 +100,12 @@ impl Replicates {
         self.found.noise_words()
     }
 
+    /// SHA-256 of every known file that the analysis was made from.
+    #[getter]
+    fn sources(&self) -> Vec<String> {
+        self.of.get().sources()
+    }
+
     /// The distribution of every number, by its name.
     fn spreads<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let analysis = &self.of.get().analysis;
