@@ -13,7 +13,7 @@ from . import _native
 from ._case import Case, Finding, read_case
 from ._errors import InputError
 from ._export import _Exportable, export
-from ._run import command, now_utc
+from ._run import command, now_utc, without_folders
 from ._tables import Tables
 
 if TYPE_CHECKING:
@@ -435,15 +435,12 @@ def analyze(
     """
     if not isinstance(case, Case):
         case = read_case(case)
-    given: dict[str, Any] = dict(options)
-    words = as_words(given)
+    words = as_words(dict(options))
+    recorded: list[tuple[str, Any]] = [*without_folders(words)]
     if identifiability:
-        given["identifiability"] = True
-    return Analysis(
-        _native.Analysis(
-            case._native, words, identifiability, command("analyze", given), now_utc()
-        )
-    )
+        recorded.append(("identifiability", True))
+    call = command("analyze", recorded)
+    return Analysis(_native.Analysis(case._native, words, identifiability, call, now_utc()))
 
 
 def as_words(options: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -469,6 +466,9 @@ def _line_key(analysis: Analysis, line: str) -> str:
 
 
 def _as_text(name: str, value: Any) -> list[tuple[str, str]]:
+    if hasattr(value, "tolist"):
+        # An array or a number of numpy.
+        value = value.tolist()
     if isinstance(value, Mapping):
         return [
             (name, f"{key}={','.join(repr(float(part)) for part in parts)}")

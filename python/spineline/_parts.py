@@ -12,7 +12,7 @@ from typing import Any
 
 from . import _native
 from ._errors import InputError
-from ._run import build_identity, write_whole
+from ._run import build_identity, without_folders, write_whole
 
 _RECORDS = "parts"
 """Folder of the records of finished parts in the folder of a run: a record is written after all tables of its part."""
@@ -48,19 +48,12 @@ class Request:
     replicates: tuple[int, str, int] | None
     """Number, noise and seed of the replicates of every case."""
 
-    def shown_words(self) -> list[tuple[str, str]]:
-        """The options with the names of files in place of their paths, which may differ from machine to machine."""
-        return [
-            (name, os.path.basename(value) if _native.names_a_file(name, value) else value)
-            for name, value in self.words
-        ]
-
     def record(self) -> dict[str, Any]:
         """Everything that numbers depend on except the cases, for JSON."""
         return {
             "program": f"spineline {self.version}",
             "build": self.build,
-            "options": sorted(self.shown_words()),
+            "options": sorted(without_folders(self.words)),
             "option_files": sorted(self.option_files),
             "replicates": self.replicates,
         }

@@ -236,7 +236,7 @@ def replicates(
     >>> found.n, found.failed
     (10, 0)
     """
-    words = command("replicates", {"n": n, "noise": noise, "seed": seed})
+    words = command("replicates", [("n", n), ("noise", noise), ("seed", seed)])
     show = shown(progress, "replicates")
     return Replicates(
         _native.Replicates(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from collections.abc import Iterable
 from datetime import datetime, timezone
 from functools import cache
 from pathlib import Path
@@ -41,9 +42,14 @@ def now_utc() -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def command(function: str, options: dict[str, Any]) -> list[str]:
+def command(function: str, options: Iterable[tuple[str, Any]]) -> list[str]:
     """The words that record a call in place of the program's command line."""
-    return [f"spineline.{function}", *(f"{name}={value}" for name, value in options.items())]
+    return [f"spineline.{function}", *(f"{name}={value}" for name, value in options)]
+
+
+def without_folders(words: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Options with the names of files in place of their paths, which differ from machine to machine and may contain names of persons."""
+    return [(name, os.path.basename(value) if _native.names_a_file(name, value) else value) for name, value in words]
 
 
 def write_whole(

@@ -288,3 +288,21 @@ def test_threads_give_the_same(case: sl.Case, analysis: sl.Analysis) -> None:
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda _: sl.analyze(case), range(8)))
     assert all(one == analysis for one in found)
+
+
+def test_the_recorded_call_has_no_folders_and_no_types_of_python(case: sl.Case, analysis: sl.Analysis, tmp_path: Path) -> None:
+    folder = tmp_path / "Doe^Jane"
+    folder.mkdir()
+    table = folder / "own.json"
+    table.write_text(json.dumps(analysis.data["provenance"]["options"]["stiffness"]))
+    line = np.array([0.0, 200.0, 3.5])
+    for given in (table, str(table)):
+        found = sl.analyze(case, stiffness=given, given_line={"left_bending": line}, min_curve=np.float64(6.0))  # type: ignore[typeddict-item]
+        assert found.data["provenance"]["command"] == [
+            "spineline.analyze",
+            "stiffness=own.json",
+            "given_line=left_bending=0.0,200.0,3.5",
+            "min_curve=6.0",
+        ]
+        assert found.data["provenance"]["inputs"][-1]["name"] == "own.json"
+        assert "Doe^Jane" not in found.to_json()
