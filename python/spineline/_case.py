@@ -146,7 +146,8 @@ class Case(_Exportable[_native.Case]):
         InputError
             If some films have corners and some have locations; take ``case.film(NAME).landmarks``.
         """
-        return Table(_native.landmark_table(self._native, False), (getattr, (self, "landmarks")))
+        table = _native.landmark_table(self._native, False)
+        return Table(table, (getattr, (self, "landmarks")), synthetic=self.synthetic)
 
     def to_csv(self, folder: str | os.PathLike[str], *, film: str | None = None, overwrite: bool = False) -> list[Path]:
         """Writes the landmarks as ``landmarks.csv`` into a folder, which is made if it is missing.

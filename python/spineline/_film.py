@@ -135,7 +135,7 @@ class Film(_Exportable[_native.Case]):
 
     @property
     def synthetic(self) -> bool:
-        """Whether it is a film of a synthetic case."""
+        """Whether it is a film of a synthetic case, or made from the table of one."""
         return self._native.synthetic
 
     @property
@@ -177,7 +177,7 @@ class Film(_Exportable[_native.Case]):
     def landmarks(self) -> Table:
         """The landmarks: one row per vertebra and reading, with the columns of the CSV format."""
         table = _native.landmark_table(self._native, self.name == "lateral")
-        return Table(table, (getattr, (self, "landmarks")))
+        return Table(table, (getattr, (self, "landmarks")), synthetic=self.synthetic)
 
     def _image(self) -> dict[str, Any]:
         """The picture as in a case file; empty for locations in mm."""
@@ -211,6 +211,8 @@ def films_of(landmarks: Any, options: dict[str, Any]) -> list[_native.Case]:
     films, remarks = _native.films_of_landmarks(source, {"film": None, **given})
     for remark in remarks:
         logging.getLogger("spineline").warning("landmarks %s", remark)
+    if isinstance(landmarks, Table) and landmarks.synthetic:
+        return [_native.case_of_films([film], film.id, True) for film in films]
     return films
 
 

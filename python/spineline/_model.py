@@ -388,7 +388,8 @@ class Simulation(_Exportable[_native.Simulation]):
         return (_repeated, (self._model, self._asked, self._allow_unusable, self.to_json()))
 
     def __repr__(self) -> str:
-        return f"<Simulation: {self.status}>"
+        synthetic = ", SYNTHETIC" if self._model.synthetic else ""
+        return f"<Simulation of {self._model.id}{synthetic}: {self.status}>"
 
     def _repr_html_(self) -> str:
         rows: list[tuple[str, str | float]] = [("status", self.status)]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ._errors import InputError
 from ._extras import extra
+from ._html import marked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,7 +65,10 @@ class Plot:
         if ax is not None:
             for number, one in enumerate(films):
                 self._draw(ax, one, _FILMS[number % len(_FILMS)])
-            self._finish(ax, ", ".join(_words(one) for one in films))
+            names = ", ".join(_words(one) for one in films)
+            self._finish(ax, f"{self._title()}: {names}")
+            if ax.get_legend_handles_labels()[0]:
+                ax.legend(frameon=False)
             return ax
         with extra("plot"):
             import matplotlib.pyplot as plt
@@ -83,8 +87,7 @@ class Plot:
             self._draw(panel, one, _FILMS[0])
             self._finish(panel, _words(one), is_inverted=panel is not axes[0])
             panel.label_outer()
-        synthetic = " · SYNTHETIC" if self._analysis.synthetic else ""
-        figure.suptitle(f"{self._analysis.id}{synthetic}")
+        figure.suptitle(self._title())
         handles, labels = axes[-1].get_legend_handles_labels()
         if handles:
             figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
@@ -118,8 +121,7 @@ class Plot:
         ax.set_xticks(range(1, len(names) + 1), names)
         ax.set_ylim(bottom=0.0)
         ax.set_ylabel("location error (mm)")
-        synthetic = " · SYNTHETIC" if analysis.synthetic else ""
-        ax.set_title(f"{analysis.id}{synthetic}")
+        ax.set_title(self._title())
         return ax
 
     def predictions(
@@ -176,8 +178,7 @@ class Plot:
         kind = "bends left out" if films == "left_out_bend" else "held-out films"
         tilt = " with the tilt of T2" if with_tilt else ""
         ax.set_xlabel(f"mean location error, {kind}{tilt} (mm)")
-        synthetic = " · SYNTHETIC" if self._analysis.synthetic else ""
-        ax.set_title(f"{self._analysis.id}{synthetic} (grey: without mechanics)")
+        ax.set_title(f"{self._title()} (grey: without mechanics)")
         return ax
 
     def model3d(self, line: str = "inflection", *, simulation: Simulation | None = None) -> Any:
@@ -218,9 +219,8 @@ class Plot:
                     marker={"color": colour, "size": 5, "symbol": "square"},
                 )
             )
-        synthetic = " · SYNTHETIC" if model.synthetic else ""
         figure.update_layout(
-            title=f"{model.id}{synthetic}: {_words(model.line)}",
+            title=f"{self._title()}: {_words(model.line)}",
             scene={
                 "xaxis_title": "anterior (mm)",
                 "yaxis_title": "patient's left (mm)",
@@ -230,6 +230,9 @@ class Plot:
             },
         )
         return figure
+
+    def _title(self) -> str:
+        return marked(self._analysis.id, synthetic=self._analysis.synthetic)
 
     def _draw(self, ax: Axes, film: str, colour: str) -> None:
         curve = self._analysis.curve(film)

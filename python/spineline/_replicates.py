@@ -14,7 +14,7 @@ from . import _native
 from ._analysis import Analysis
 from ._errors import InputError
 from ._export import export
-from ._html import html_table
+from ._html import html_table, marked
 from ._progress import Progress, shown
 from ._run import command, now_utc
 from ._tables import Table
@@ -72,7 +72,7 @@ class Replicates(Mapping[str, Spread]):
     True
     """
 
-    def __init__(self, native: _native.Replicates) -> None:
+    def __init__(self, native: _native.Replicates, analysis: Analysis) -> None:
         self._spreads = {
             name: {**one, "quantiles": None if (q := one["quantiles"]) is None else tuple(q)}
             for name, one in native.spreads().items()
@@ -80,6 +80,10 @@ class Replicates(Mapping[str, Spread]):
         self._json = native.to_json()
         self._sources = native.sources
         self._table: _native.Table | None = native.table()
+        self.id: str = analysis.id
+        """Identifier of the case."""
+        self.synthetic: bool = analysis.synthetic
+        """Whether the films are synthetic."""
         self.n: int = native.count
         """Replicates that were run."""
         self.failed: int = native.failed
@@ -150,7 +154,7 @@ class Replicates(Mapping[str, Spread]):
                 "unpickled replicates have no table",
                 help="take the distributions by name, or run them again",
             )
-        return Table(self._table)
+        return Table(self._table, synthetic=self.synthetic)
 
     def to_json(self) -> str:
         """The text of the file of the analysis with all distributions."""
@@ -176,7 +180,8 @@ class Replicates(Mapping[str, Spread]):
         return {**kept, "_table": None}
 
     def __repr__(self) -> str:
-        return f"<Replicates: {self.n}, of {len(self)} numbers>"
+        synthetic = ", SYNTHETIC" if self.synthetic else ""
+        return f"<Replicates of {self.id}{synthetic}: {self.n}, of {len(self)} numbers>"
 
     def _repr_html_(self) -> str:
         shown = [(name, self[name]) for name in islice(self, _SHOWN)]
@@ -186,7 +191,7 @@ class Replicates(Mapping[str, Spread]):
         ]
         more = f", the first {_SHOWN} here" if len(self) > _SHOWN else ""
         return html_table(
-            f"{self.n} replicates of {len(self)} numbers{more}",
+            f"{marked(self.id, synthetic=self.synthetic)}: {self.n} replicates of {len(self)} numbers{more}",
             ("number", "unit", "value", "SD", "2.5 %", "97.5 %"),
             rows,
         )
@@ -238,8 +243,7 @@ def replicates(
     """
     words = command("replicates", [("n", n), ("noise", noise), ("seed", seed)])
     show = shown(progress, "replicates")
-    return Replicates(
-        _native.Replicates(
-            analysis._native, n, str(noise), seed, threads, words, now_utc(), lambda done: show(done, n)
-        )
+    found = _native.Replicates(
+        analysis._native, n, str(noise), seed, threads, words, now_utc(), lambda done: show(done, n)
     )
+    return Replicates(found, analysis)

@@ -45,10 +45,12 @@ class Table:
     ('1', 'inflection_line')
     """
 
-    __slots__ = ("_made_by", "_native")
+    __slots__ = ("_made_by", "_native", "synthetic")
 
-    def __init__(self, native: _native.Table, made_by: tuple[Any, ...] | None = None) -> None:
+    def __init__(self, native: _native.Table, made_by: tuple[Any, ...] | None = None, *, synthetic: bool) -> None:
         self._native = native
+        self.synthetic = synthetic
+        """Whether it is of synthetic films."""
         self._made_by = made_by
         """A function and its arguments that compute the table again."""
 
@@ -219,7 +221,9 @@ class Tables(Mapping[str, Table]):
 
     def __init__(self, analysis: Analysis) -> None:
         tables = analysis._native.tables()
-        self._all = {table.name: Table(table, (_table_of, (analysis, table.name))) for table in tables}
+        self._all = {
+            table.name: Table(table, (_table_of, (analysis, table.name)), synthetic=analysis.synthetic) for table in tables
+        }
 
     def __getitem__(self, name: str) -> Table:
         """One table.

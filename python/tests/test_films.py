@@ -156,6 +156,15 @@ def test_an_infinite_coordinate_is_refused_with_its_place(film: sl.Film) -> None
         with_facts(columns, film)
 
 
+def test_a_film_from_the_table_of_a_synthetic_case_is_synthetic(case: sl.Case) -> None:
+    film = sl.Film(case.film("erect").landmarks, mm_per_px=0.1)
+    assert film.synthetic and sl.Case.from_films([film]).synthetic
+    assert sl.Case.from_landmarks(case.landmarks, mm_per_px=0.1).synthetic
+    data = json.loads(case.to_json()) | {"synthetic": False}
+    real = sl.Case.from_json(json.dumps(data)).film("erect")
+    assert not sl.Film(real.landmarks, mm_per_px=0.1).synthetic
+
+
 def test_an_array_without_real_numbers_is_refused(film: sl.Film) -> None:
     points = np.zeros((1, 4, 2))
     for wrong in (points + 1j, points > 0.0, points.astype("datetime64[s]")):

@@ -183,6 +183,14 @@ def test_few_replicates_have_no_interval(analysis: sl.Analysis) -> None:
     assert low < high
 
 
+def test_simulations_and_replicates_show_their_case_as_synthetic(analysis: sl.Analysis) -> None:
+    loaded = analysis.model().simulate(sl.Pad("T9", towards="left", force=10))
+    mc = sl.replicates(analysis, n=2)
+    for one in (loaded, mc):
+        assert f"{analysis.id}, SYNTHETIC" in repr(one) and f"{analysis.id} · SYNTHETIC" in one._repr_html_()
+    assert repr(pickle.loads(pickle.dumps(mc))) == repr(mc) and mc.table.synthetic
+
+
 def test_unknown_noise_is_refused(analysis: sl.Analysis) -> None:
     for wrong in ({"noise": "loud"}, {"noise": -1.0}, {"n": 1}):
         with pytest.raises(sl.InputError):
