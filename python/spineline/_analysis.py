@@ -160,12 +160,24 @@ class Analysis(_Exportable[_native.Analysis]):
 
     @property
     def held_out(self) -> FilmErrors:
-        """Errors on held-out films. They are predictions."""
+        """Errors on held-out films. They are predictions.
+
+        Raises
+        ------
+        InputError
+            If the analysis has no model.
+        """
         return FilmErrors(self, fitted=False)
 
     @property
     def fitted(self) -> FilmErrors:
-        """Errors on fitted films. They are not predictions."""
+        """Errors on fitted films. They are not predictions.
+
+        Raises
+        ------
+        InputError
+            If the analysis has no model.
+        """
         return FilmErrors(self, fitted=True)
 
     def model(self, line: LineName | Literal["auto"] | str = "auto") -> Model:
@@ -333,7 +345,8 @@ class Curve:
 class FilmErrors:
     """Errors of a model on its fitted films, or on films that were held out; one entry per vertebra and film.
 
-    By default of the line through the inflections; :meth:`of` gives another line.
+    By default of the line through the inflections, or, without its model, of the first line of :attr:`Analysis.lines`; :meth:`of`
+    gives another line.
 
     Examples
     --------
@@ -345,7 +358,11 @@ class FilmErrors:
 
     __slots__ = ("_analysis", "_rows", "is_fitted", "line")
 
-    def __init__(self, analysis: Analysis, *, fitted: bool, line: str = "inflection") -> None:
+    def __init__(self, analysis: Analysis, *, fitted: bool, line: str | None = None) -> None:
+        if line is None:
+            check_models(analysis)
+            names = analysis.lines
+            line = "inflection_line" if "inflection_line" in names else names[0]
         key = _line_key(analysis, line)
         self._analysis = analysis
         self.line = key
@@ -454,15 +471,31 @@ def _line_key(analysis: Analysis, line: str) -> str:
     Raises
     ------
     InputError
-        If the analysis has no model with this line; the message has a similar one, if any.
+        If the analysis has no model, or none with this line; the message has a similar one, if any.
     """
+    check_models(analysis)
     key, names = line if line.endswith("_line") else f"{line}_line", analysis.lines
     if key not in names:
         raise InputError(
             f"{analysis.id}: the analysis has no model with the line `{key}`{_native.did_you_mean(key, names)}",
-            help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
+            help=f"give one of {', '.join(names)}",
         )
     return key
+
+
+def check_models(analysis: Analysis) -> None:
+    """Refuses an analysis without a model.
+
+    Raises
+    ------
+    InputError
+        If the analysis has no model.
+    """
+    if not analysis.lines:
+        raise InputError(
+            f"{analysis.id}: the analysis has no model",
+            help="a model needs a bending film with a line of action, and the scale of every film",
+        )
 
 
 def _as_text(name: str, value: Any) -> list[tuple[str, str]]:

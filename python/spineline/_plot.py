@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
+from ._analysis import check_models
 from ._errors import InputError
 from ._extras import extra
 from ._html import marked
@@ -102,8 +103,7 @@ class Plot:
             If the analysis has no model.
         """
         analysis = self._analysis
-        if not analysis.lines:
-            raise InputError(f"{analysis.id}: the analysis has no model", help="add a bending film")
+        check_models(analysis)
         if ax is None:
             with extra("plot"):
                 import matplotlib.pyplot as plt
@@ -144,8 +144,9 @@ class Plot:
         Raises
         ------
         InputError
-            If no film of this kind is predicted.
+            If the analysis has no model, or no film of this kind is predicted.
         """
+        check_models(self._analysis)
         compared = self._analysis.data["comparison"]
         bars: list[tuple[float, str, str]] = []
         for line, found in compared["lines"].items():

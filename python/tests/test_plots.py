@@ -49,6 +49,37 @@ def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None
     plt.close("all")
 
 
+def without_spacing(case: sl.Case) -> sl.Case:
+    whole = json.loads(case.to_json())
+    for film in whole["films"]:
+        film["image"] = {key: value for key, value in film["image"].items() if "spacing" not in key}
+    return sl.Case.from_json(json.dumps(whole))
+
+
+def test_without_a_model_errors_and_predictions_say_what_a_model_needs(case: sl.Case) -> None:
+    found = sl.analyze(without_spacing(case))
+    assert "left_bending" in found.films and found.lines == []
+    readers = [found.plot.errors, found.plot.predictions, found.model, lambda: found.held_out]
+    for read in (*readers, lambda: found.fitted, lambda: found.model("iliac")):
+        with pytest.raises(sl.InputError, match="the analysis has no model") as caught:
+            read()
+        assert "scale of every film" in caught.value.help
+
+
+def test_errors_of_other_lines_are_read_without_a_line_through_inflections(case: sl.Case) -> None:
+    pytest.importorskip("matplotlib").use("agg")
+    import matplotlib.pyplot as plt
+
+    found = sl.analyze(case, min_curve=80)
+    assert "inflection_line" not in found.lines and found.lines
+    for errors in (found.held_out, found.fitted):
+        assert errors.line == found.lines[0] and len(errors) > 0
+        assert len(errors.of(found.lines[-1])) > 0
+    names = [label.get_text() for label in found.plot.errors().get_xticklabels()]
+    assert names[0].startswith(found.lines[0].replace("_", " "))
+    plt.close("all")
+
+
 def test_the_model_is_drawn_in_space(analysis: sl.Analysis) -> None:
     pytest.importorskip("plotly")
     loaded = analysis.model().simulate(sl.Pad("T9", towards="left", force=10))
