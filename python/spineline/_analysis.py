@@ -133,7 +133,9 @@ class Analysis(_Exportable[_native.Analysis]):
 
     @property
     def is_usable(self) -> bool:
-        """Whether the analysis has a result: fits converged and forces were found."""
+        """Whether the analysis has a model, its fits converged and its forces were found. Without a bending film or a scale there is
+        no model; curves and angles are measured even so.
+        """
         return self._native.is_usable
 
     @property

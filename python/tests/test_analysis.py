@@ -251,6 +251,12 @@ def test_a_file_is_replaced_only_with_overwrite(analysis: sl.Analysis, tmp_path:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_an_analysis_is_usable_where_a_model_was_fitted(case: sl.Case, analysis: sl.Analysis) -> None:
+    alone = sl.analyze(sl.Case.from_films([case.film("erect")]))
+    assert alone.lines == [] and not alone.is_usable and len(alone.curve("erect").points_mm) > 0
+    assert analysis.lines and analysis.is_usable
+
+
 def test_an_input_is_never_replaced(tmp_path: Path) -> None:
     path = sl.phantom("rod", subject=1).save(tmp_path / "case.json")
     before = path.read_bytes()

@@ -58,7 +58,7 @@ def without_spacing(case: sl.Case) -> sl.Case:
 
 def test_without_a_model_errors_and_predictions_say_what_a_model_needs(case: sl.Case) -> None:
     found = sl.analyze(without_spacing(case))
-    assert "left_bending" in found.films and found.lines == []
+    assert "left_bending" in found.films and found.lines == [] and not found.is_usable
     readers = [found.plot.errors, found.plot.predictions, found.model, lambda: found.held_out]
     for read in (*readers, lambda: found.fitted, lambda: found.model("iliac")):
         with pytest.raises(sl.InputError, match="the analysis has no model") as caught:

@@ -232,10 +232,10 @@ impl Analysis {
         self.analysis.synthetic
     }
 
-    /// Whether the requested result is complete.
+    /// Whether a model was fitted, and everything that was asked for has a result.
     #[getter]
     fn is_usable(&self) -> bool {
-        self.analysis.has_what_was_asked()
+        !self.analysis.models.is_empty() && self.analysis.has_what_was_asked()
     }
 
     /// Postures that have a film, the erect one first.
