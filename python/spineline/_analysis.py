@@ -15,6 +15,7 @@ from ._errors import InputError
 from ._export import _Exportable, export
 from ._run import command, now_utc, without_folders
 from ._tables import Tables
+from ._values import numbers, plain, truth
 
 if TYPE_CHECKING:
     import numpy as np
@@ -456,7 +457,7 @@ def analyze(
         case = read_case(case)
     words = as_words(dict(options))
     recorded: list[tuple[str, Any]] = [*without_folders(words)]
-    if identifiability:
+    if truth("identifiability", identifiability):
         recorded.append(("identifiability", True))
     call = command("analyze", recorded)
     return Analysis(_native.Analysis(case._native, words, identifiability, call, now_utc()))
@@ -501,12 +502,10 @@ def check_models(analysis: Analysis) -> None:
 
 
 def _as_text(name: str, value: Any) -> list[tuple[str, str]]:
-    if hasattr(value, "tolist"):
-        # An array or a number of numpy.
-        value = value.tolist()
+    value = plain(value)
     if isinstance(value, Mapping):
         return [
-            (name, f"{key}={','.join(repr(float(part)) for part in parts)}")
+            (name, f"{key}={','.join(map(repr, numbers(name, parts)))}")
             for key, parts in value.items()
         ]
     if isinstance(value, (list, tuple)):

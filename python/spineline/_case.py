@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
+from ._errors import InputError
 from ._export import _Exportable, export_all
 from ._extras import extra
 from ._film import Film, FilmOptions, film_with, films_of
@@ -18,6 +19,7 @@ from ._html import html_table, marked
 from ._inputs import file_content, file_name
 from ._run import now_utc
 from ._tables import LEVELS, Table
+from ._values import LARGEST_SEED, number, text, truth, whole
 
 if TYPE_CHECKING:
     import pandas
@@ -82,7 +84,7 @@ class Case(_Exportable[_native.Case]):
         other = next((film for film in given if not isinstance(film, Film)), None)
         if other is not None:
             raise TypeError(f"a case is made from films, not {type(other).__name__}: give objects of `Film`")
-        return cls(_native.case_of_films([film._native for film in given], case_id, synthetic))
+        return cls(_case_of([film._native for film in given], case_id, synthetic))
 
     @classmethod
     def from_landmarks(
@@ -109,7 +111,7 @@ class Case(_Exportable[_native.Case]):
         >>> sl.Case.from_landmarks(landmarks, mm_per_px=0.14, case_id="P07", synthetic=True).films[0]
         'erect'
         """
-        return cls(_native.case_of_films(films_of(landmarks, dict(options)), case_id, synthetic))
+        return cls(_case_of(films_of(landmarks, dict(options)), case_id, synthetic))
 
     @property
     def id(self) -> str:
@@ -315,6 +317,17 @@ class Check:
         return self._html
 
 
+def _case_of(films: list[_native.Case], case_id: str, synthetic: bool) -> _native.Case:
+    """The case of some films.
+
+    Raises
+    ------
+    InputError
+        As :meth:`Case.from_films`.
+    """
+    return _native.case_of_films(films, text("case_id", case_id), truth("synthetic", synthetic))
+
+
 def _sha256(source: str | os.PathLike[str] | bytes) -> str:
     """SHA-256 of a file or of its bytes."""
     return hashlib.sha256(source if isinstance(source, bytes) else Path(source).read_bytes()).hexdigest()
@@ -342,6 +355,10 @@ def read_case(file: str | os.PathLike[str] | Any) -> Case:
     >>> sl.read_case(path).id
     'phantom-rod-01'
     """
+    if isinstance(file, str) and file.lstrip().startswith("{") and not os.path.exists(file):
+        raise InputError(
+            "a path is needed, not the text of a file", help="`Case.from_json(text)` reads the text of a case"
+        )
     if isinstance(file, (str, os.PathLike)):
         return Case(_native.read_case(os.fspath(file)))
     return Case(_native.read_case(file_name(file) or "case.json", file_content(file)))
@@ -366,7 +383,7 @@ def phantom(
     Raises
     ------
     InputError
-        If the scenario or subject is unknown.
+        If the scenario or subject is unknown, or seed or noise are out of range.
 
     Examples
     --------
@@ -374,4 +391,6 @@ def phantom(
     >>> sl.phantom("pull", subject=3, noise=0.0).id
     'phantom-pull-03'
     """
-    return Case(_native.phantom(scenario, subject, seed, noise))
+    whose = whole("subject", subject, 1, 18)
+    made = text("scenario", scenario), whose, whole("seed", seed, 0, LARGEST_SEED), number("noise", noise)
+    return Case(_native.phantom(*made))

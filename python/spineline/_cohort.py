@@ -22,6 +22,7 @@ from ._html import html_table
 from ._parts import CaseRead, Part, Request, Task, analyze_part, digest_of, table_file
 from ._progress import Progress, shown
 from ._run import build_identity, write_whole
+from ._values import LARGEST_SEED, whole
 
 if TYPE_CHECKING:
     import pyarrow
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
 
 _SHOWN = 10
 """Files in a notebook."""
+
+_MOST = 10_000_000
+"""Largest number of replicates, and of cases per task."""
 
 _LIST = "manifest.json"
 """File in the folder of a run that lists its inputs and its parts."""
@@ -197,9 +201,9 @@ class Cohort(Sequence[Path]):
         OSError
             If a file cannot be written, such as on a full disk; existing files are whole.
         """
-        if chunk < 1:
-            raise InputError(f"chunk is {chunk}", help="give 1 or more", value=float(chunk), limit=1.0)
-        asked = None if replicates is None else (replicates, str(noise), seed)
+        chunk = whole("chunk", chunk, 1, _MOST)
+        count = None if replicates is None else whole("replicates", replicates, 2, _MOST)
+        asked = None if count is None else (count, str(noise), whole("seed", seed, 0, LARGEST_SEED))
         request = _request(as_words(dict(options)), asked)
         paths = [os.path.abspath(path) for path in self._paths]
         identities = _native.identify_cases(paths)

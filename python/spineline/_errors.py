@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 
@@ -86,20 +85,3 @@ class NotAResultError(RuntimeError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), self.args, self.__dict__)
-
-
-def number(name: str, value: Any) -> float:
-    """The finite number of an option.
-
-    Raises
-    ------
-    InputError
-        If it is not a number, or not finite.
-    """
-    try:
-        found = float("nan" if isinstance(value, (str, bytes, bool)) else value)
-    except (TypeError, ValueError, OverflowError):
-        found = math.nan
-    if not math.isfinite(found):
-        raise InputError(f"`{name}` is {value!r}", help="give a finite number")
-    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from . import _native
@@ -13,6 +13,7 @@ from ._errors import InputError
 from ._export import _Exportable
 from ._inputs import landmark_source
 from ._tables import Table
+from ._values import path, plain, real, renamed, text, texts, truth, whole, wrong
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -85,8 +86,8 @@ class Film(_Exportable[_native.Case]):
     Raises
     ------
     InputError
-        If a landmark is missing, doubled or impossible (with film, vertebra, value and limit), an option is unknown or does not fit,
-        or the landmarks are of several films.
+        If a landmark is missing, doubled or impossible (with film, vertebra, value and limit), an option is unknown, or its value
+        does not fit, or the landmarks are of several films.
 
     Examples
     --------
@@ -205,7 +206,7 @@ def films_of(landmarks: Any, options: dict[str, Any]) -> list[_native.Case]:
         if name not in known:
             meant = _native.did_you_mean(name, known)
             raise InputError(f"unknown option `{name}`{meant}", help=f"give one of {', '.join(known)}")
-    given = {name: value for name, value in options.items() if value is not None}
+    given = {name: _CHECKS[name](name, value) for name, value in options.items() if value is not None}
     lateral = given.get("film") == "lateral"
     source = landmark_source(landmarks, given.pop("levels", None), lateral=lateral)
     films, remarks = _native.films_of_landmarks(source, {"film": None, **given})
@@ -214,6 +215,41 @@ def films_of(landmarks: Any, options: dict[str, Any]) -> list[_native.Case]:
     if isinstance(landmarks, Table) and landmarks.synthetic:
         return [_native.case_of_films([film], film.id, True) for film in films]
     return films
+
+
+def _per_pixel(name: str, value: Any) -> float | tuple[float, ...]:
+    """One distance, or two. The film refuses one that is not above zero."""
+    found = plain(value)
+    if not isinstance(found, (list, tuple)):
+        return real(name, found)
+    if len(found) != 2:
+        raise wrong(name, value, "give one number, or those of columns and rows")
+    return tuple(real(name, one) for one in found)
+
+
+def _size(name: str, value: Any) -> tuple[int, ...]:
+    """Columns and rows."""
+    found = plain(value)
+    if not isinstance(found, (list, tuple)) or len(found) != 2:
+        raise wrong(name, value, "give columns and rows, such as (3000, 4000)")
+    return tuple(whole(name, one, 1, 2**32 - 1) for one in found)
+
+
+_CHECKS: dict[str, Callable[[str, Any], Any]] = {
+    "film": text,
+    "mm_per_px": _per_pixel,
+    "plane": text,
+    "patient_left": text,
+    "patient_anterior": text,
+    "simultaneous": truth,
+    "size_px": _size,
+    "picture": path,
+    "inverted": truth,
+    "columns": renamed,
+    "ignore": texts,
+    "levels": texts,
+}
+"""What reads the value of every option."""
 
 
 def film_with(native: _native.Case) -> Film:

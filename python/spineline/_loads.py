@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from . import _native
 from ._errors import InputError
+from ._values import number, numbers, plain, text
 
 Direction = Literal["left", "right", "cranial", "caudal", "anterior", "posterior"]
 Timing = Literal["growing", "held"]
@@ -34,7 +37,7 @@ class Force:
 
     def as_load(self) -> dict[str, Any]:
         """The load as files have it."""
-        force = list(_native.force_vector(self.towards, self.force))
+        force = list(_native.force_vector(text("towards", self.towards), number("force", self.force)))
         return {
             "kind": "force_at_point",
             "level": self.level,
@@ -76,7 +79,7 @@ class Pad:
         Raises
         ------
         InputError
-            If not exactly one of force and spring is given.
+            If not exactly one of force and spring is given, or a value is not a number.
         """
         if self.force is not None and self.force_per_mm is None and self.advance_mm is None:
             return Force(self.level, self.towards, self.force, self.timing).as_load()
@@ -84,9 +87,9 @@ class Pad:
             return {
                 "kind": "pad",
                 "level": self.level,
-                "direction": list(_native.force_vector(self.towards, 1.0)),
-                "force_per_mm": self.force_per_mm,
-                "advance_mm": self.advance_mm,
+                "direction": list(_native.force_vector(text("towards", self.towards), 1.0)),
+                "force_per_mm": number("force_per_mm", self.force_per_mm),
+                "advance_mm": number("advance_mm", self.advance_mm),
                 "timing": self.timing,
             }
         raise InputError(
@@ -127,8 +130,8 @@ class Rod:
             "kind": "rod",
             "inferior": self.inferior,
             "superior": self.superior,
-            "shift_mm": list(self.shift_mm),
-            "turn_deg": list(self.turn_deg),
+            "shift_mm": numbers("shift_mm", self.shift_mm, 3),
+            "turn_deg": numbers("turn_deg", self.turn_deg, 3),
             "timing": self.timing,
         }
 
@@ -151,7 +154,38 @@ class Gravity:
 
     def as_load(self) -> dict[str, Any]:
         """The load as files have it."""
-        return {"kind": "gravity", "body_weight": self.body_weight, "timing": self.timing}
+        return {"kind": "gravity", "body_weight": number("body_weight", self.body_weight), "timing": self.timing}
 
 
 Load = Force | Pad | Rod | Gravity | dict[str, Any]
+
+
+def load_file(loads: Iterable[Load]) -> str:
+    """The text of the load file with these loads.
+
+    Raises
+    ------
+    InputError
+        If a load has a value that a file cannot hold.
+    TypeError
+        If an object is not a load.
+    """
+    given = []
+    for load in loads:
+        if not isinstance(load, (dict, Force, Pad, Rod, Gravity)):
+            raise TypeError(f"a load is a Force, Pad, Rod, Gravity or dictionary, not {type(load).__name__}")
+        given.append(load if isinstance(load, dict) else load.as_load())
+    try:
+        return json.dumps({"format": "spineline-load", "version": 1, "loads": given}, default=_plain, allow_nan=False)
+    except ValueError as error:
+        raise InputError(f"a load cannot be written: {error}", help="give finite numbers") from None
+
+
+def _plain(value: Any) -> Any:
+    """A value of numpy as one of JSON."""
+    found = plain(value)
+    if found is value:
+        raise InputError(
+            f"a load has a value of the type {type(value).__name__}", help="give numbers, texts, lists and dictionaries"
+        )
+    return found

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
-from ._errors import InputError, NotAResultError, number
+from ._errors import InputError, NotAResultError
 from ._export import _Exportable, export
 from ._html import html_table, marked
-from ._loads import Load
+from ._loads import Load, load_file
+from ._values import number, text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -119,11 +120,13 @@ class Model(_Exportable[_native.Model]):
         ------
         InputError
             If a load cannot be applied to this model, or the tilt or its side is out of range.
+        TypeError
+            If an object is not a load.
         """
         tilt = _tilt_right_deg(amplitude_deg, towards)
-        given = [load if isinstance(load, dict) else load.as_load() for load in loads]
-        text = json.dumps({"format": "spineline-load", "version": 1, "loads": given})
-        return Simulation(self, (text, tilt, largest_factor, support), allow_unusable=allow_unusable)
+        factor = None if largest_factor is None else number("largest_factor", largest_factor)
+        on = None if support is None else text("support", support, 'give "free" or "frontal"')
+        return Simulation(self, (load_file(loads), tilt, factor, on), allow_unusable=allow_unusable)
 
     def _export(self, format: _Format, path: str | os.PathLike[str], *, overwrite: bool) -> Path:
         """Writes the model in the format of another program."""

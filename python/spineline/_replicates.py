@@ -18,10 +18,14 @@ from ._html import html_table, marked
 from ._progress import Progress, shown
 from ._run import command, now_utc
 from ._tables import Table
+from ._values import LARGEST_SEED, whole
 
 
 _SHOWN = 20
 """Numbers in a notebook."""
+
+_MOST = 10_000_000
+"""Largest number of replicates."""
 
 
 @dataclass(frozen=True)
@@ -232,7 +236,7 @@ def replicates(
     Raises
     ------
     InputError
-        If the noise does not apply to this case, or n is out of range.
+        If the noise does not apply to this case, or n, seed or threads are out of range.
 
     Examples
     --------
@@ -241,6 +245,9 @@ def replicates(
     >>> found.n, found.failed
     (10, 0)
     """
+    n = whole("n", n, 2, _MOST)
+    seed = whole("seed", seed, 0, LARGEST_SEED)
+    threads = whole("threads", threads, 0, 65535)
     words = command("replicates", [("n", n), ("noise", noise), ("seed", seed)])
     show = shown(progress, "replicates")
     found = _native.Replicates(

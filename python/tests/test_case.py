@@ -101,9 +101,16 @@ def test_a_misspelt_key_is_named_with_its_file_and_the_nearest_key(tmp_path: Pat
 
 
 def test_unknown_phantoms_are_errors() -> None:
-    for wrong in (lambda: sl.phantom("rood"), lambda: sl.phantom(subject=19)):
-        with pytest.raises(sl.InputError):
-            wrong()
+    for wrong in ({"scenario": "rood"}, {"subject": 19}, {"subject": -1}, {"seed": -1}, {"noise": "x"}, {"scenario": 3}):
+        with pytest.raises(sl.InputError, match=str(next(iter(wrong.values())))):
+            sl.phantom(**wrong)  # type: ignore[arg-type]
+
+
+def test_the_text_of_a_case_is_not_a_path_and_not_repeated_in_the_error(case: sl.Case) -> None:
+    for read in (sl.analyze, sl.read_case):
+        with pytest.raises(sl.InputError, match="not the text of a file") as caught:
+            read(case.to_json())
+        assert "Case.from_json" in caught.value.help and len(str(caught.value)) < 200
 
 
 def test_locations_without_a_picture_have_no_pixels() -> None:

@@ -434,3 +434,13 @@ def test_patients_of_the_learned_prior_are_not_predicted(
     cohort = sl.Cohort([names[0], names[5]])
     run = cohort.analyze(out=tmp_path / "out", rotation_prior=prior)
     assert run.read("cases")["status"].to_pylist() == ["error", "ok"]
+
+
+def test_a_number_of_a_cohort_out_of_range_is_refused(tmp_path: Path) -> None:
+    cohort = sl.Cohort([sl.phantom("rod", subject=1).save(tmp_path / "case.json")])
+    for given in ({"chunk": 0}, {"chunk": 1.5}, {"replicates": 1}, {"replicates": 2, "seed": -1}):
+        *_, (name, value) = given.items()
+        with pytest.raises(sl.InputError, match=f"`{name}` is {value}") as caught:
+            cohort.analyze(out=tmp_path / "out", **given)  # type: ignore[arg-type]
+        assert caught.value.value == value and "whole number from" in caught.value.help
+    assert not (tmp_path / "out").exists()

@@ -165,6 +165,35 @@ def test_a_film_from_the_table_of_a_synthetic_case_is_synthetic(case: sl.Case) -
     assert not sl.Film(real.landmarks, mm_per_px=0.1).synthetic
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("mm_per_px", "x"),
+        ("mm_per_px", (0.1, 0.1, 0.1)),
+        ("plane", 3),
+        ("patient_left", 1),
+        ("patient_anterior", 1),
+        ("simultaneous", "yes"),
+        ("size_px", (1.5, 2)),
+        ("size_px", (-1, 5)),
+        ("picture", 3),
+        ("inverted", 2),
+        ("columns", ["level"]),
+        ("ignore", "remark"),
+        ("levels", 3),
+    ],
+)
+def test_an_option_of_another_type_is_refused_by_its_name(film: sl.Film, name: str, value: object) -> None:
+    with pytest.raises(sl.InputError, match=f"`{name}` is ") as caught:
+        with_facts(film.landmarks, film, **{name: value})
+    assert caught.value.help and "FilmOptions" not in str(caught.value)
+
+
+def test_options_take_numbers_of_numpy(film: sl.Film) -> None:
+    size = np.array(film.size_px)
+    assert with_facts(film.landmarks, film, mm_per_px=np.array(film.mm_per_px), size_px=size) == with_facts(film.landmarks, film)
+
+
 def test_an_array_without_real_numbers_is_refused(film: sl.Film) -> None:
     points = np.zeros((1, 4, 2))
     for wrong in (points + 1j, points > 0.0, points.astype("datetime64[s]")):
@@ -263,6 +292,7 @@ def test_a_picture_is_kept_by_name_and_content(film: sl.Film, tmp_path: Path) ->
     ("options", "text"),
     [
         ({}, "of 5 films: erect, left_bending"),
+        ({"film": 3}, "`film` is 3"),
         ({"film": "errect"}, "did you mean `erect`"),
         ({"film": "erect", "mm_per_pxx": 1}, "did you mean `mm_per_px`"),
         ({"film": "erect", "mm_per_px": -0.1}, "erect film: column spacing is -0.1 mm"),
@@ -281,7 +311,7 @@ def test_wrong_facts_of_a_film_are_named(options: dict[str, Any], text: str, cas
 def test_wrong_tables_and_films_are_named(case: sl.Case) -> None:
     with pytest.raises(sl.InputError, match="`vertebra` 2, `observer` 1"):
         sl.Film({"vertebra": ["L4", "L3"], "observer": ["A"]}, film="erect")
-    with pytest.raises(TypeError, match=r"FilmOptions\.mm_per_px"):
+    with pytest.raises(sl.InputError, match=r"`mm_per_px` is '0\.1'"):
         sl.Film(case.landmarks, film="erect", mm_per_px="0.1")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="made from films, not Case"):
         sl.Case.from_films([case])  # type: ignore[list-item]

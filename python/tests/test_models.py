@@ -191,6 +191,45 @@ def test_simulations_and_replicates_show_their_case_as_synthetic(analysis: sl.An
     assert repr(pickle.loads(pickle.dumps(mc))) == repr(mc) and mc.table.synthetic
 
 
+def test_loads_take_numbers_of_numpy(analysis: sl.Analysis) -> None:
+    model = analysis.model()
+    ours = [sl.Gravity(10.0), sl.Rod("L1", "T5", shift_mm=(0.0, 1.0, 0.0)), sl.Pad("T9", "left", force_per_mm=1.0, advance_mm=5.0)]
+    theirs = [
+        sl.Gravity(np.float32(10)),  # type: ignore[arg-type]
+        sl.Rod("L1", "T5", shift_mm=np.array([0.0, 1.0, 0.0])),  # type: ignore[arg-type]
+        sl.Pad("T9", "left", force_per_mm=np.int64(1), advance_mm=np.float32(5)),  # type: ignore[arg-type]
+    ]
+    for own, other in zip(ours, theirs, strict=True):
+        assert model.simulate(own) == model.simulate(other)
+        assert model.simulate({name: np.array(value) if name == "shift_mm" else value for name, value in own.as_load().items()}) == model.simulate(own)
+    for wrong, word in (
+        (sl.Gravity(float("nan")), "`body_weight` is nan"),
+        (sl.Force("T9", "left", "x"), "`force` is 'x'"),  # type: ignore[arg-type]
+        (sl.Rod("L1", "T5", turn_deg=(1.0, 2.0)), "`turn_deg` is"),  # type: ignore[arg-type]
+        ({"kind": "gravity", "body_weight": float("inf")}, "a load cannot be written"),
+        ({"kind": object()}, "a value of the type object"),
+    ):
+        with pytest.raises(sl.InputError, match=word) as caught:
+            model.simulate(wrong)
+        assert caught.value.help
+    with pytest.raises(TypeError, match="not str"):
+        model.simulate("T9")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("given", "limit"),
+    [({"seed": -1}, 0.0), ({"seed": 2**64}, 2.0**64), ({"n": -1}, 2.0), ({"n": 2.5}, None), ({"threads": -1}, 0.0)],
+)
+def test_a_number_of_replicates_out_of_range_is_refused(
+    analysis: sl.Analysis, given: dict[str, float], limit: float | None
+) -> None:
+    [(name, value)] = given.items()
+    with pytest.raises(sl.InputError, match=f"`{name}` is {value}") as caught:
+        sl.replicates(analysis, **{"n": 2, **given})  # type: ignore[arg-type]
+    assert (caught.value.value, caught.value.limit) == (value, limit) and "whole number from" in caught.value.help
+    assert sl.replicates(analysis, n=np.int64(2)).n == 2  # type: ignore[arg-type]
+
+
 def test_unknown_noise_is_refused(analysis: sl.Analysis) -> None:
     for wrong in ({"noise": "loud"}, {"noise": -1.0}, {"n": 1}):
         with pytest.raises(sl.InputError):
