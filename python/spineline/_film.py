@@ -208,8 +208,8 @@ def films_of(landmarks: Any, options: dict[str, Any]) -> list[_native.Case]:
             raise InputError(f"unknown option `{name}`{meant}", help=f"give one of {', '.join(known)}")
     given = {name: _CHECKS[name](name, value) for name, value in options.items() if value is not None}
     lateral = given.get("film") == "lateral"
-    source = landmark_source(landmarks, given.pop("levels", None), lateral=lateral)
-    films, remarks = _native.films_of_landmarks(source, {"film": None, **given})
+    source, is_table = landmark_source(landmarks, given.pop("levels", None), lateral=lateral)
+    films, remarks = _native.films_of_landmarks(source, {"film": None, "is_table": is_table, **given})
     for remark in remarks:
         logging.getLogger("spineline").warning("landmarks %s", remark)
     if isinstance(landmarks, Table) and landmarks.synthetic:

@@ -51,8 +51,8 @@ def file_content(file: Any) -> bytes:
     return content
 
 
-def landmark_source(landmarks: Any, levels: Sequence[str] | None, *, lateral: bool) -> str | bytes:
-    """The path of a landmark file, its bytes, or a table as CSV.
+def landmark_source(landmarks: Any, levels: Sequence[str] | None, *, lateral: bool) -> tuple[str | bytes, bool]:
+    """The path of a landmark file, its bytes, or a table as CSV; and whether it is a table.
 
     Raises
     ------
@@ -64,18 +64,19 @@ def landmark_source(landmarks: Any, levels: Sequence[str] | None, *, lateral: bo
     import numpy as np
 
     if levels is not None or isinstance(landmarks, np.ndarray):
-        return _csv_of(_columns_of(landmarks, levels, ("anterior", "posterior") if lateral else ("left", "right")))
+        sides = ("anterior", "posterior") if lateral else ("left", "right")
+        return _csv_of(_columns_of(landmarks, levels, sides)), True
     if isinstance(landmarks, str):
         is_text = "\n" in landmarks or landmarks.lstrip().startswith("{")
-        return landmarks.encode() if is_text else landmarks
+        return landmarks.encode() if is_text else landmarks, False
     if isinstance(landmarks, bytes):
-        return landmarks
+        return landmarks, False
     if isinstance(landmarks, os.PathLike):
-        return str(os.fspath(landmarks))
+        return str(os.fspath(landmarks)), False
     if isinstance(landmarks, Mapping):
-        return _csv_of(landmarks)
+        return _csv_of(landmarks), True
     text = _csv_of_table(landmarks)
-    return file_content(landmarks) if text is None else text
+    return (file_content(landmarks), False) if text is None else (text, True)
 
 
 def _csv_of_table(table: Any) -> bytes | None:

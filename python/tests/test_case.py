@@ -36,8 +36,14 @@ def test_a_missing_corner_is_named(case: sl.Case) -> None:
     columns = landmarks(case, "erect")
     place = columns["vertebra"].index("T9")
     columns["superior_left_row_px"][place] = ""
-    with pytest.raises(sl.InputError, match=f"line {place + 2}, T9: landmarks missing: superior_left"):
+    with pytest.raises(sl.InputError, match="T9: landmarks missing: superior_left") as caught:
         sl.Case.from_landmarks(columns, film="erect", mm_per_px=0.14)
+    assert str(caught.value).startswith(f"row {place + 1} of the table, T9:")
+    assert (caught.value.film, caught.value.level) == ("erect", "T9")
+    columns["superior_left_row_px"][place] = 2e6  # type: ignore[call-overload]
+    with pytest.raises(sl.InputError, match="is not a number between") as caught:
+        sl.Case.from_landmarks(columns, film="erect", mm_per_px=0.14)
+    assert (caught.value.film, caught.value.level, caught.value.value) == ("erect", "T9", 2e6)
     with pytest.raises(sl.InputError, match="did you mean `erect`"):
         sl.Case.from_landmarks(landmarks(case, "erect"), film="errect", mm_per_px=0.14)
     with pytest.raises(sl.InputError, match="`case_id` is `Doe, Jane`"):

@@ -1,4 +1,4 @@
-use spineline::anatomy::Level;
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{MeasureError, OBSERVER_RULE};
 use spineline_files::FileError;
 use spineline_marking::MidlineError;
@@ -225,10 +225,55 @@ spineline::faults! {
             /// Why.
             reason: String,
         },
+        /// An error of a film or vertebra that is known.
+        #[error("{error}")]
+        #[help(error.help())]
+        Placed {
+            /// The film.
+            posture: Option<Posture>,
+            /// The vertebra.
+            level: Option<Level>,
+            /// What is wrong there.
+            error: Box<Self>,
+        },
         /// Landmarks that cannot be measured.
         #[error(transparent)]
         #[help(error.help())]
         Marks(#[from] MeasureError as error),
+    }
+}
+
+impl LandmarkError {
+    /// The same error, of a film and a vertebra.
+    pub(crate) fn of(self, posture: Option<Posture>, level: Option<Level>) -> Self {
+        Self::Placed { posture, level, error: Box::new(self) }
+    }
+
+    /// What is wrong, without film and vertebra.
+    #[must_use]
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::Placed { error, .. } => error.cause(),
+            _ => self,
+        }
+    }
+
+    /// Film and vertebra, where they are known.
+    #[must_use]
+    pub const fn place(&self) -> (Option<Posture>, Option<Level>) {
+        match self {
+            Self::Placed { posture, level, .. } => (*posture, *level),
+            _ => (None, None),
+        }
+    }
+
+    /// The number that cannot be used, if it is one.
+    #[must_use]
+    pub fn value(&self) -> Option<f64> {
+        match self.cause() {
+            Self::Value { value, .. } => value.parse().ok(),
+            _ => None,
+        }
     }
 }
 

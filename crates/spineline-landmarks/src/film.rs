@@ -109,6 +109,8 @@ pub struct ColumnHint {
     pub renamed: BTreeMap<String, String>,
     /// Columns of the table that are skipped.
     pub ignored: BTreeSet<String>,
+    /// Whether the table came from memory: errors then name its rows, and not lines of a file.
+    pub counts_rows: bool,
 }
 
 impl ColumnHint {
@@ -117,6 +119,15 @@ impl ColumnHint {
         let name = column_name(heading);
         let renamed = self.renamed.get(&name).map(|column| column_name(column));
         (!self.ignored.contains(&name)).then(|| renamed.unwrap_or(name))
+    }
+
+    /// Where a line is; a table from memory has its heading on the first one.
+    pub(super) fn line_place(&self, line: u64) -> String {
+        match line {
+            line if !self.counts_rows => format!("line {line}"),
+            0 | 1 => "the heading of the table".to_owned(),
+            line => format!("row {} of the table", line - 1),
+        }
     }
 }
 
@@ -256,9 +267,9 @@ impl<P: Copy> Points<P> {
         reading: &str,
     ) -> Result<Option<Corners<f64>>, LandmarkError> {
         let get = |corner| self.confidences.get(&PointName::Corner(level, corner)).copied();
-        all_or_none(CornerName::ALL.map(get)).map_err(|missing| LandmarkError::Confidences {
-            what: format!("{reading}, {level}"),
-            missing,
+        all_or_none(CornerName::ALL.map(get)).map_err(|missing| {
+            let what = format!("{reading}, {level}");
+            LandmarkError::Confidences { what, missing }.of(None, Some(level))
         })
     }
 
@@ -296,9 +307,9 @@ impl<P: Copy> Points<P> {
             let PointName::Corner(level, _) = *name else { continue };
             let get = |corner| self.found.get(&PointName::Corner(level, corner)).map(|p| p.0);
             let corners = all_or_none(CornerName::ALL.map(get));
-            let corners = corners.map_err(|missing| LandmarkError::Incomplete {
-                what: format!("{reading}, {level}"),
-                missing,
+            let corners = corners.map_err(|missing| {
+                let what = format!("{reading}, {level}");
+                LandmarkError::Incomplete { what, missing }.of(None, Some(level))
             })?;
             if let Some(corners) = corners {
                 bodies.insert(level, corners);

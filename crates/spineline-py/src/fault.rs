@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{FilmView, Level, Posture};
 use spineline::error::Error;
 use spineline_files::FileError;
 use spineline_files::method_text::OptionError;
@@ -41,6 +41,12 @@ impl Fault {
             self.0.text = format!("{name}: {}", self.0.text);
         }
         self.0.file = Some(name);
+        self
+    }
+
+    /// The same, of a film, where none is known.
+    pub fn on_view(mut self, view: Option<FilmView>) -> Self {
+        self.0.film = self.0.film.take().or_else(|| view.map(|view| view.key().to_owned()));
         self
     }
 
@@ -139,7 +145,13 @@ impl From<LandmarkError> for Fault {
         match error {
             LandmarkError::Marks(error) => Error::from(error).into(),
             LandmarkError::File(error) => error.into(),
-            other => Self::new(&other, other.help()),
+            other => {
+                let (posture, level) = other.place();
+                let mut fault = Self::new(&other, other.help()).on_film(posture);
+                fault.0.level = level;
+                fault.0.value = other.value();
+                fault
+            }
         }
     }
 }

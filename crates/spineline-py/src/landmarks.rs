@@ -92,6 +92,8 @@ pub struct FilmOptions {
     columns: BTreeMap<String, String>,
     #[pyo3(default)]
     ignore: Vec<String>,
+    /// Whether the source is a table that was made into a file.
+    is_table: bool,
 }
 
 /// Reads films, each as a case of one film. Also returns remarks on rows that were skipped.
@@ -104,7 +106,8 @@ pub fn films_of_landmarks(
         Some(FilmView::Lateral) => Ok((vec![lateral(&source, &given)?], Vec::new())),
         view => frontal(&source, view.and_then(FilmView::posture), &given),
     };
-    let (mut films, remarks) = read().map_err(|fault| source.in_fault(fault))?;
+    let view = given.view().ok().flatten();
+    let (mut films, remarks) = read().map_err(|fault| source.in_fault(fault.on_view(view)))?;
     let sha256 = source.bytes().ok().map(|bytes| sha256_hex(&bytes));
     for film in &mut films {
         film.made_from.extend(sha256.clone());
@@ -136,7 +139,8 @@ impl FilmOptions {
     fn hint(&self, posture: Option<Posture>, patient_left: Option<ImageSide>) -> LandmarkHint {
         let renamed = self.columns.iter().map(|(own, known)| (column_name(own), known.clone()));
         let ignored = self.ignore.iter().map(|name| column_name(name)).collect();
-        let columns = ColumnHint { renamed: renamed.collect(), ignored };
+        let columns =
+            ColumnHint { renamed: renamed.collect(), ignored, counts_rows: self.is_table };
         LandmarkHint { posture, patient_left, columns, ..LandmarkHint::default() }
     }
 

@@ -52,14 +52,14 @@ fn film_of(
         }
         if absent > 0 {
             let missing = PLACES.into_iter().zip(four).filter(|(_, point)| is_absent(point));
-            return Err(LandmarkError::Incomplete {
-                what: format!("{at}, {level}"),
-                missing: missing.map(|(place, _)| format!("{place} of the picture")).collect(),
-            });
+            let missing = missing.map(|(place, _)| format!("{place} of the picture")).collect();
+            let what = format!("{at}, {level}");
+            return Err(LandmarkError::Incomplete { what, missing }.of(None, Some(level)));
         }
         let mut places = [Pixel::new(0.0, 0.0); 4];
         for (place, &[column, row]) in places.iter_mut().zip(four) {
-            *place = pixel(column, row, &format!("{at}, {level}"))?;
+            let found = pixel(column, row, &format!("{at}, {level}"));
+            *place = found.map_err(|error| error.of(None, Some(level)))?;
         }
         let corners = from_image_sides(places, patient_left);
         vertebrae.insert(level, VertebraLandmarks::clicked(corners));

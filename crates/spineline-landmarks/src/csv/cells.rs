@@ -3,8 +3,8 @@
 use csv::ByteRecord;
 use spineline_files::is_no_number;
 
-use crate::LandmarkError;
 use crate::names::{coordinate, shown};
+use crate::{ColumnHint, LandmarkError};
 
 /// The decimal mark of a table and the cell that shows it; unknown until the first cell with a mark.
 pub(super) struct DecimalMark(Option<(char, String)>);
@@ -55,12 +55,13 @@ impl DecimalMark {
 pub(super) struct Cells<'a> {
     pub record: &'a ByteRecord,
     pub line: u64,
+    pub hint: &'a ColumnHint,
 }
 
 impl<'a> Cells<'a> {
     /// Where the row is.
     pub fn row_place(self) -> String {
-        format!("line {}", self.line)
+        self.hint.line_place(self.line)
     }
 
     /// Where a cell is.

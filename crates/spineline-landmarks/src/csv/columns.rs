@@ -101,7 +101,7 @@ impl Columns {
                     .find(|column| nearest(&column.name, &view.columns()).as_deref() == Some(name));
                 mistyped.map_or_else(
                     || LandmarkError::Missing {
-                        at: format!("line {line}"),
+                        at: hint.line_place(line),
                         what: format!("the column `{name}`"),
                     },
                     UnknownColumn::refused,
@@ -112,7 +112,7 @@ impl Columns {
         let mut of_corners = CORNERS.into_iter().chain(BESIDE_CORNERS.concat());
         if placed && of_corners.any(|name| get(name).is_some()) {
             return Err(LandmarkError::Ambiguous {
-                at: format!("line {line}"),
+                at: hint.line_place(line),
                 reason:
                     "the table has columns of corners and of locations; only one kind is allowed"
                         .to_owned(),
@@ -170,11 +170,11 @@ fn places(
         heading.iter().map(|cell| column_name(&String::from_utf8_lossy(cell))).collect();
     if let Some(missing) = hint.renamed.keys().find(|renamed| !names.contains(renamed)) {
         let what = format!("the column `{}`", shown(missing));
-        return Err(LandmarkError::Missing { at: format!("line {line}"), what });
+        return Err(LandmarkError::Missing { at: hint.line_place(line), what });
     }
     let (mut places, mut unknown) = (BTreeMap::new(), Vec::new());
     for (place, cell) in heading.iter().enumerate() {
-        let at = format!("line {line}, column {}", place + 1);
+        let at = format!("{}, column {}", hint.line_place(line), place + 1);
         let name = String::from_utf8_lossy(cell);
         let Some(wanted) = hint.column(&name) else { continue };
         let Some(&column) = known.iter().find(|known| **known == wanted) else {

@@ -82,7 +82,7 @@ pub(super) fn parse(
         if record.iter().all(<[u8]>::is_empty) {
             continue;
         }
-        table.row(Cells { record: &record, line })?;
+        table.row(Cells { record: &record, line, hint: &hint.columns })?;
     }
     table.finish()
 }
@@ -156,9 +156,20 @@ impl Table<'_> {
         let posture = self.posture(row)?;
         let vertebra = row.text(self.columns.vertebra, VERTEBRA)?;
         if column_name(vertebra) == CRESTS && self.columns.view == View::Frontal {
-            return self.crests(row, posture);
+            return self.crests(row, posture).map_err(|error| error.of(posture, None));
         }
-        let level = parse_level(vertebra, &row.cell_place(VERTEBRA))?;
+        let level = parse_level(vertebra, &row.cell_place(VERTEBRA));
+        let level = level.map_err(|error| error.of(posture, None))?;
+        self.vertebra(row, posture, level).map_err(|error| error.of(posture, Some(level)))
+    }
+
+    /// Adds a vertebra.
+    fn vertebra(
+        &mut self,
+        row: Cells<'_>,
+        posture: Option<Posture>,
+        level: Level,
+    ) -> Result<(), LandmarkError> {
         let id = self.reading(row)?;
         if self.values_blank(row).iter().all(|&blank| blank) {
             self.not_placed.push(format!("{level} of {}", row.row_place()));
@@ -188,7 +199,7 @@ impl Table<'_> {
             Some(first) => Err(LandmarkError::Duplicate {
                 at: row.cell_place(VERTEBRA),
                 what: format!("{level} of observer {id}"),
-                first: Some(format!("line {first}")),
+                first: Some(row.hint.line_place(first)),
             }),
         }
     }

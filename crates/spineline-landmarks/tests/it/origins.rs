@@ -105,9 +105,9 @@ fn an_unknown_origin_is_reported_with_all_names() {
     let text = String::from_utf8(files[0].bytes.clone()).expect("UTF-8");
     let text = text.replacen("accepted", "acepted", 1);
     let error = parse_landmarks(text.as_bytes(), &LandmarkHint::default()).expect_err("a typo");
-    let LandmarkError::Choice { what: "origin", name, known, .. } = error else {
+    let LandmarkError::Choice { what: "origin", name, known, .. } = error.cause() else {
         panic!("{error}")
     };
     assert_eq!(name, "acepted");
-    assert_eq!(known, ["clicked", "completed", "detected", "accepted", "adjusted"]);
+    assert_eq!(known[..], ["clicked", "completed", "detected", "accepted", "adjusted"]);
 }

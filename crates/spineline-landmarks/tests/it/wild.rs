@@ -108,6 +108,20 @@ fn a_row_is_named_by_its_line_with_any_ends_of_lines() {
 }
 
 #[test]
+fn a_table_from_memory_is_named_by_its_rows_with_film_vertebra_and_value() {
+    let columns = ColumnHint { counts_rows: true, ..ColumnHint::default() };
+    let hint = LandmarkHint { columns, ..hint() };
+    let text = table().replacen("T12,546.25", "T12,-1e7", 1);
+    let error = parse_landmarks(text.as_bytes(), &hint).expect_err("far outside");
+    assert!(error.to_string().starts_with("row 5 of the table, column `"), "{error}");
+    assert_eq!(error.place(), (Some(Posture::Erect), Some(Level::T12)));
+    assert!(error.value().is_some_and(|value| value < -1e6), "{error}");
+    let mistyped = table().replacen("superior_left_row_px", "superior_left_rwo_px", 1);
+    let error = parse_landmarks(mistyped.as_bytes(), &hint).expect_err("a typo").to_string();
+    assert!(error.starts_with("the heading of the table"), "{error}");
+}
+
+#[test]
 fn rows_without_numbers_are_not_placed_in_any_spelling() {
     for blank in ["", "NaN", "NA", "n/a", "-", "null", "None", "#N/A", "<NA>"] {
         let cells = [blank; 8].join(",");
@@ -129,6 +143,7 @@ fn columns_of_other_names_are_read_and_columns_without_landmarks_skipped() {
     let columns = |renamed: &[(&str, &str)]| ColumnHint {
         renamed: renamed.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect(),
         ignored: ["quality_note".to_owned()].into(),
+        ..ColumnHint::default()
     };
     let read_with = |columns| parse_landmarks(own.as_bytes(), &LandmarkHint { columns, ..hint() });
     let found = read_with(columns(&[("level", "vertebra"), ("rater_code", "observer")]));
@@ -188,7 +203,8 @@ fn a_key_point_that_was_not_placed_is_missing_by_its_name() {
     {
         let error =
             refused(coco(CORNERS, "T5", first).as_bytes(), &["T5", "missing: superior_left"]);
-        assert!(matches!(error, LandmarkError::Incomplete { .. }), "{first}: {error:?}");
+        assert!(matches!(error.cause(), LandmarkError::Incomplete { .. }), "{first}: {error:?}");
+        assert_eq!(error.place(), (None, Some(Level::T5)));
         let all = format!("{first},{first},{first},{first}");
         let text = coco(CORNERS, "T5", &all).replacen(",10,5,2,52,30,2,12,29,1]", "]", 1);
         let file = parse_coco(text.as_bytes(), &hint()).expect(first);
