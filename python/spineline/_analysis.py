@@ -45,7 +45,7 @@ class MethodOptions(TypedDict, total=False):
     method: Literal["default", "paper"]
     """Method; every other option that is given replaces one of its choices."""
     order_rule: str | int
-    """Order of the curves: ``"leave-one-out"``, ``"paper"``, or 4 to 12."""
+    """Order of the curves: ``"leave-one-out"``, ``"two-inflections"``, ``"paper"``, or 4 to 12."""
     gauge: str
     """Scale constraint: ``"geometric-mean"``, ``"frozen-force"`` or ``"known-force:POSTURE=NEWTON"``."""
     support: Literal["free", "frontal"]
@@ -157,7 +157,15 @@ class Analysis(_Exportable[_native.Analysis]):
 
     @cached_property
     def data(self) -> dict[str, Any]:
-        """Every number, as in the file of the analysis (``spineline schema analysis`` explains every key)."""
+        """Every number, as in the file of the analysis (``spineline schema analysis`` explains every key). Changes of it change nothing
+        else.
+        """
+        found: dict[str, Any] = json.loads(self.to_json())
+        return found
+
+    @cached_property
+    def _own_data(self) -> dict[str, Any]:
+        """The same for figures: callers may change :attr:`data`."""
         found: dict[str, Any] = json.loads(self.to_json())
         return found
 

@@ -105,6 +105,16 @@ class CohortRun:
 class Cohort(Sequence[Path]):
     """Case files of many patients.
 
+    Parameters
+    ----------
+    paths
+        Paths of the case files, in a list or another iterable.
+
+    Raises
+    ------
+    InputError
+        If there is no path, or one path is given in place of a list.
+
     Examples
     --------
     >>> import spineline as sl
@@ -116,6 +126,11 @@ class Cohort(Sequence[Path]):
     __slots__ = ("_paths",)
 
     def __init__(self, paths: Iterable[str | os.PathLike[str]]) -> None:
+        if isinstance(paths, (str, bytes, os.PathLike)):
+            raise InputError(
+                f"a cohort is made from a list of paths, not of one: {os.fsdecode(paths)}",
+                help="give `[path]`, or a pattern to `Cohort.glob`",
+            )
         self._paths = tuple(Path(path) for path in paths)
         if not self._paths:
             raise InputError("the cohort has no case file", help="check the pattern")
@@ -191,7 +206,7 @@ class Cohort(Sequence[Path]):
             Whether a line on standard error counts the finished cases; by default if it is a terminal. Or a function, which is
             called with the number of finished cases and of all cases.
         **options
-            Options of the method, as in :func:`analyze`.
+            Options of the method: see :class:`MethodOptions`. Identifiability is computed for one case alone, by :func:`analyze`.
 
         Raises
         ------
@@ -201,6 +216,12 @@ class Cohort(Sequence[Path]):
         OSError
             If a file cannot be written, such as on a full disk; existing files are whole.
         """
+        if "identifiability" in options:
+            raise InputError(
+                "a cohort does not compute `identifiability`",
+                help="analyse a case alone with `spineline.analyze(case, identifiability=True)`, or use "
+                "`spineline analyze FOLDER --tables OUT --identifiability`",
+            )
         chunk = whole("chunk", chunk, 1, _MOST)
         count = None if replicates is None else whole("replicates", replicates, 2, _MOST)
         asked = None if count is None else (count, str(noise), whole("seed", seed, 0, LARGEST_SEED))

@@ -147,7 +147,7 @@ class Plot:
             If the analysis has no model, or no film of this kind is predicted.
         """
         check_models(self._analysis)
-        compared = self._analysis.data["comparison"]
+        compared = self._analysis._own_data["comparison"]
         bars: list[tuple[float, str, str]] = []
         for line, found in compared["lines"].items():
             by_location = found["errors"].get(films, {}).get("location_mm")
@@ -245,7 +245,7 @@ class Plot:
             ax.plot(
                 inflections[:, 0], inflections[:, 1], "D", color="#E69F00", markersize=7, zorder=3
             )
-        for line, model in self._analysis.data["models"].items():
+        for line, model in self._analysis._own_data["models"].items():
             simulated = model["postures"].get(film)
             if simulated is None:
                 continue

@@ -179,6 +179,12 @@ class Replicates(Mapping[str, Spread]):
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __copy__(self) -> Replicates:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Replicates:
+        return self
+
     def __getstate__(self) -> dict[str, Any]:
         kept = {name: value for name, value in self.__dict__.items() if name != "table"}
         return {**kept, "_table": None}

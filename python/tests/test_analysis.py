@@ -251,6 +251,11 @@ def test_a_file_is_replaced_only_with_overwrite(analysis: sl.Analysis, tmp_path:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_every_rule_for_the_order_is_named_and_taken(case: sl.Case) -> None:
+    for rule in ("leave-one-out", "two-inflections", "paper", 6):
+        assert sl.analyze(case, order_rule=rule).data["provenance"]["options"]["order_rule"] == str(rule)
+
+
 def test_an_analysis_is_usable_where_a_model_was_fitted(case: sl.Case, analysis: sl.Analysis) -> None:
     alone = sl.analyze(sl.Case.from_films([case.film("erect")]))
     assert alone.lines == [] and not alone.is_usable and len(alone.curve("erect").points_mm) > 0

@@ -444,3 +444,22 @@ def test_a_number_of_a_cohort_out_of_range_is_refused(tmp_path: Path) -> None:
             cohort.analyze(out=tmp_path / "out", **given)  # type: ignore[arg-type]
         assert caught.value.value == value and "whole number from" in caught.value.help
     assert not (tmp_path / "out").exists()
+
+
+def test_one_path_is_not_a_cohort(tmp_path: Path) -> None:
+    path = sl.phantom("rod", subject=1).save(tmp_path / "case.json")
+    for one in (path, str(path), b"case.json"):
+        with pytest.raises(sl.InputError, match="list of paths, not of one: .*case.json") as caught:
+            sl.Cohort(one)  # type: ignore[arg-type]
+        assert "[path]" in caught.value.help
+    assert list(sl.Cohort([path])) == [path]
+
+
+def test_identifiability_of_a_cohort_is_refused_with_the_way_to_it(tmp_path: Path) -> None:
+    cohort = sl.Cohort([sl.phantom("rod", subject=1).save(tmp_path / "case.json")])
+    with pytest.raises(sl.InputError, match="does not compute `identifiability`") as caught:
+        cohort.analyze(out=tmp_path / "out", identifiability=True)  # type: ignore[call-arg]
+    assert "analyze(case, identifiability=True)" in caught.value.help
+    with pytest.raises(sl.InputError, match="did you mean `support`") as caught:
+        cohort.analyze(out=tmp_path / "out", suport="free")  # type: ignore[call-arg]
+    assert "min_curve" in caught.value.help and "rotation_prior" in caught.value.help

@@ -170,6 +170,12 @@ def test_replicates_are_the_same_as_in_the_program(
         mc.interval(max(errors, key=lambda name: mc[name].count))
 
 
+def test_a_copy_of_replicates_keeps_its_table(analysis: sl.Analysis) -> None:
+    mc = sl.replicates(analysis, n=2)
+    for again in (copy.copy(mc), copy.deepcopy(mc)):
+        assert again is mc and len(again.table) > 100
+
+
 def test_few_replicates_have_no_interval(analysis: sl.Analysis) -> None:
     fewest, name = _native.MIN_REPLICATES, "cobb.erect.main_thoracic"
     few = sl.replicates(analysis, n=fewest - 1)
@@ -201,7 +207,8 @@ def test_loads_take_numbers_of_numpy(analysis: sl.Analysis) -> None:
     ]
     for own, other in zip(ours, theirs, strict=True):
         assert model.simulate(own) == model.simulate(other)
-        assert model.simulate({name: np.array(value) if name == "shift_mm" else value for name, value in own.as_load().items()}) == model.simulate(own)
+        arrays = {name: np.array(value) if name == "shift_mm" else value for name, value in own.as_load().items()}
+        assert model.simulate(arrays) == model.simulate(own)
     for wrong, word in (
         (sl.Gravity(float("nan")), "`body_weight` is nan"),
         (sl.Force("T9", "left", "x"), "`force` is 'x'"),  # type: ignore[arg-type]

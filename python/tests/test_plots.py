@@ -49,6 +49,22 @@ def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None
     plt.close("all")
 
 
+def test_changed_data_do_not_change_a_figure(case: sl.Case) -> None:
+    pytest.importorskip("matplotlib").use("agg")
+    import matplotlib.pyplot as plt
+
+    found = sl.analyze(case)
+    before = [bar.get_width() for bar in found.plot.predictions().patches]
+    for baseline in found.data["comparison"]["baselines_mm"].values():
+        baseline.clear()
+    found.data["models"].clear()
+    assert [bar.get_width() for bar in found.plot.predictions().patches] == before
+    ax = plt.subplots()[1]
+    found.plot.lines("left_bending", ax=ax)
+    assert "inflection line" in ax.get_legend_handles_labels()[1]
+    plt.close("all")
+
+
 def without_spacing(case: sl.Case) -> sl.Case:
     whole = json.loads(case.to_json())
     for film in whole["films"]:

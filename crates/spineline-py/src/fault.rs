@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use spineline::anatomy::{FilmView, Level, Posture};
 use spineline::error::Error;
 use spineline_files::FileError;
-use spineline_files::method_text::OptionError;
+use spineline_files::method_text::{OPTIONS, OptionError};
 use spineline_landmarks::LandmarkError;
 use spineline_report::terminal::shown;
 
@@ -136,7 +136,13 @@ impl From<FileError> for Fault {
 
 impl From<OptionError> for Fault {
     fn from(error: OptionError) -> Self {
-        Self::new(&error, error.help())
+        match &error {
+            OptionError::Unknown { .. } => {
+                let names = OPTIONS.map(|option| option.name);
+                Self::new(&error, format!("give one of {}", names.join(", ")))
+            }
+            _ => Self::new(&error, error.help()),
+        }
     }
 }
 
