@@ -134,7 +134,7 @@ class Analysis(_Exportable[_native.Analysis]):
 
     @property
     def is_usable(self) -> bool:
-        """Whether the analysis has a model, its fits converged and its forces were found. Without a bending film or a scale there is
+        """Whether the analysis has a model, its fits converged and its forces were found. Without a bending film or a scale it has
         no model; curves and angles are measured even so.
         """
         return self._native.is_usable

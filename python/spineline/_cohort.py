@@ -113,7 +113,7 @@ class Cohort(Sequence[Path]):
     Raises
     ------
     InputError
-        If there is no path, or one path is given in place of a list.
+        If paths are missing, or one path is given in place of a list.
 
     Examples
     --------

@@ -223,7 +223,7 @@ def _per_pixel(name: str, value: Any) -> float | tuple[float, ...]:
     if not isinstance(found, (list, tuple)):
         return real(name, found)
     if len(found) != 2:
-        raise wrong(name, value, "give one number, or those of columns and rows")
+        raise wrong(name, value, "give one number, or one for columns and one for rows")
     return tuple(real(name, one) for one in found)
 
 

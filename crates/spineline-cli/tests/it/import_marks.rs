@@ -187,8 +187,8 @@ fn landmarks_of_a_film_that_was_not_chosen_are_named_with_their_file() {
     let here = three_films();
     here.write("own.json", labelme("P07_standing.png", 0.0));
     here.imported(&arguments("a", &["--landmarks", "own.json"]));
-    let export = ["export", "a/case.json", "--to", "csv", "--out", "erect.csv"];
-    here.done(&export);
+    let export = ["export", "a/case.json", "--to", "csv", "--posture", "erect"];
+    here.done(&[&export[..], &["--out", "erect.csv"]].concat());
     let other = here.text("erect.csv").replace("erect,", "traction,");
     here.write("traction.csv", other);
     let files = ["--landmarks", "own.json", "--landmarks", "traction.csv"];

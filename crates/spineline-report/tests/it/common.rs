@@ -84,3 +84,8 @@ pub fn figure_names(document: &Document) -> Vec<&str> {
 pub fn section<'a>(document: &'a Document, id: &str) -> &'a Section {
     document.sections.iter().find(|section| section.id == id).expect("the section is there")
 }
+
+/// The text with one blank between words.
+pub fn words(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

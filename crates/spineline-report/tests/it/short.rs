@@ -16,8 +16,8 @@ use spineline_report::cohort::{self, PatientRow};
 use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, WarningCounts, terminal};
 
-use crate::common::{analyzed, case, cohort_of, rod_with_films, rows, shown};
-use crate::terminal::{tables, words as one_line};
+use crate::common::{analyzed, case, cohort_of, rod_with_films, rows, shown, words as one_line};
+use crate::terminal::tables;
 
 const WIDTH: usize = terminal::WIDTH;
 /// Lines of a patient whose stiffness values have intervals, or reasons why several have none.
@@ -259,7 +259,9 @@ fn a_cohort_shows_the_test_of_every_patient_and_one_row_per_comparison() {
         assert_eq!(Some(row[3].clone()), outcome(LineKind::Iliac));
     }
     let pairs = together.compared.tests.iter().filter(|test| {
-        test.role != FilmRole::Fitted && test.error == ErrorKind::Location && test.holm_p.is_some()
+        test.role != FilmRole::Fitted
+            && test.error == ErrorKind::Location
+            && test.comparison.is_compared()
     });
     let without_mechanics = all[1].rows.iter().filter(|row| row[1].contains(" *"));
     assert_eq!(all[1].rows.len(), pairs.count() + without_mechanics.count());

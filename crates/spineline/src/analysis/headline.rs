@@ -138,7 +138,7 @@ impl LinesCompared {
                 format!("{line}; without mechanics {} mm ({baseline}).", fixed(without_mm, 1))
             }
             Some((baseline, without_mm)) => format!(
-                "No line with one parameter per film predicts {films} better than without mechanics: {kind} {} mm, {baseline} {} mm.{}",
+                "No line with one number per film predicts {films} better than without mechanics: {kind} {} mm, {baseline} {} mm.{}",
                 fixed(mm, 1),
                 fixed(without_mm, 1),
                 mirrored_words(baseline)
