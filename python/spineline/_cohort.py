@@ -22,7 +22,7 @@ from ._html import html_table
 from ._parts import CaseRead, Part, Request, Task, analyze_part, digest_of, table_file
 from ._progress import Progress, shown
 from ._run import build_identity, write_whole
-from ._values import LARGEST_SEED, whole
+from ._values import LARGEST_SEED, MOST, whole
 
 if TYPE_CHECKING:
     import pyarrow
@@ -30,9 +30,6 @@ if TYPE_CHECKING:
 
 _SHOWN = 10
 """Files in a notebook."""
-
-_MOST = 10_000_000
-"""Largest number of replicates, and of cases per task."""
 
 _LIST = "manifest.json"
 """File in the folder of a run that lists its inputs and its parts."""
@@ -222,8 +219,8 @@ class Cohort(Sequence[Path]):
                 help="analyse a case alone with `spineline.analyze(case, identifiability=True)`, or use "
                 "`spineline analyze FOLDER --tables OUT --identifiability`",
             )
-        chunk = whole("chunk", chunk, 1, _MOST)
-        count = None if replicates is None else whole("replicates", replicates, 2, _MOST)
+        chunk = whole("chunk", chunk, 1, MOST)
+        count = None if replicates is None else whole("replicates", replicates, 2, MOST)
         asked = None if count is None else (count, str(noise), whole("seed", seed, 0, LARGEST_SEED))
         request = _request(as_words(dict(options)), asked)
         paths = [os.path.abspath(path) for path in self._paths]

@@ -201,7 +201,7 @@ def films_of(landmarks: Any, options: dict[str, Any]) -> list[_native.Case]:
     InputError
         As :class:`Film`.
     """
-    known = list(FilmOptions.__annotations__)
+    known = list(_CHECKS)
     for name in options:
         if name not in known:
             meant = _native.did_you_mean(name, known)

@@ -13,7 +13,7 @@ from ._errors import InputError, NotAResultError
 from ._export import _Exportable, export
 from ._html import html_table, marked
 from ._loads import Load, load_file
-from ._values import number, text
+from ._values import number, text, wrong
 
 if TYPE_CHECKING:
     import numpy as np
@@ -220,6 +220,10 @@ class Model(_Exportable[_native.Model]):
         return html_table(f"Model {marked(self.id, synthetic=self.synthetic)}", (), rows)
 
 
+_LARGEST_AMPLITUDE_DEG = 90.0
+"""Largest lateral tilt that is searched, as on the command line."""
+
+
 def _tilt_right_deg(amplitude_deg: float | None, towards: str | None) -> float | None:
     """The lateral tilt to the patient's right in degrees.
 
@@ -233,20 +237,13 @@ def _tilt_right_deg(amplitude_deg: float | None, towards: str | None) -> float |
     if amplitude_deg is None:
         return None
     if towards not in ("left", "right"):
-        raise InputError(f"`towards` is `{towards}`", help='give "left" or "right", the patient\'s side')
+        raise wrong("towards", towards, 'give "left" or "right", the patient\'s side')
     amplitude = number("amplitude_deg", amplitude_deg)
     if not 0.0 <= amplitude <= _LARGEST_AMPLITUDE_DEG:
-        raise InputError(
-            f"`amplitude_deg` is {amplitude:g}; it must be from 0 to {_LARGEST_AMPLITUDE_DEG:g}",
-            help="the side is `towards`",
-            value=amplitude,
-            limit=0.0 if amplitude < 0.0 else _LARGEST_AMPLITUDE_DEG,
-        )
+        limit = 0.0 if amplitude < 0.0 else _LARGEST_AMPLITUDE_DEG
+        raise wrong("amplitude_deg", amplitude, "give a tilt from 0 to 90; the side is `towards`", limit=limit)
     return -amplitude if towards == "left" else amplitude
 
-
-_LARGEST_AMPLITUDE_DEG = 90.0
-"""Largest lateral tilt that is searched, as on the command line."""
 
 _Asked = tuple[str, float | None, float | None, str | None]
 """Input of a simulation: text of the load file, tilt to the right in degrees, largest factor, support."""

@@ -18,14 +18,11 @@ from ._html import html_table, marked
 from ._progress import Progress, shown
 from ._run import command, now_utc
 from ._tables import Table
-from ._values import LARGEST_SEED, whole
+from ._values import LARGEST_SEED, MOST, whole
 
 
 _SHOWN = 20
 """Numbers in a notebook."""
-
-_MOST = 10_000_000
-"""Largest number of replicates."""
 
 
 @dataclass(frozen=True)
@@ -251,7 +248,7 @@ def replicates(
     >>> found.n, found.failed
     (10, 0)
     """
-    n = whole("n", n, 2, _MOST)
+    n = whole("n", n, 2, MOST)
     seed = whole("seed", seed, 0, LARGEST_SEED)
     threads = whole("threads", threads, 0, 65535)
     words = command("replicates", [("n", n), ("noise", noise), ("seed", seed)])

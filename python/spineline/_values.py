@@ -15,6 +15,9 @@ _SHOWN = 60
 LARGEST_SEED = 2**64 - 1
 """Largest seed."""
 
+MOST = 10_000_000
+"""Largest number of replicates, and of cases per task."""
+
 
 def wrong(name: str, value: Any, help: str, *, limit: float | None = None) -> InputError:
     """The error for a value that an option does not take."""

@@ -70,7 +70,7 @@ def test_an_amplitude_is_reached_on_its_side(analysis: sl.Analysis) -> None:
 def test_an_unknown_side_or_an_impossible_amplitude_is_refused(analysis: sl.Analysis) -> None:
     model, force = analysis.model(), sl.Force("T2", "left", 100.0)
     for side in ("Left", "up", "", 1):
-        with pytest.raises(sl.InputError, match=f"`towards` is `{side}`") as caught:
+        with pytest.raises(sl.InputError, match=f"`towards` is {side!r}") as caught:
             model.simulate(force, amplitude_deg=10.0, towards=side)  # type: ignore[arg-type]
         assert "left" in caught.value.help and "right" in caught.value.help
     for amplitude, limit in ((-5.0, 0.0), (90.5, 90.0)):

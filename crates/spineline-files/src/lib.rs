@@ -65,7 +65,8 @@ pub use model_file::{ModelFile, StoredModel, parse_model};
 pub use model_source::{ModelSource, ModelSourceError};
 pub use nearest::nearest;
 pub use provenance::{
-    FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile, parse_provenance,
+    FilmOrigin, InputFile, PROVENANCE_FORMAT, ProgramRun, Provenance, ProvenanceFile,
+    parse_provenance,
 };
 pub use read::{
     MAX_ANALYSES_BYTES, MAX_FILE_BYTES, SQLITE_SIGNATURE, read_bytes, read_text, text_of,

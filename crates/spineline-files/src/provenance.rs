@@ -241,7 +241,8 @@ impl Provenance {
     }
 }
 
-const FORMAT: &str = "spineline-provenance";
+/// Format of a provenance file.
+pub const PROVENANCE_FORMAT: &str = "spineline-provenance";
 const VERSION: u32 = 1;
 
 /// Reads a provenance file.
@@ -249,7 +250,7 @@ const VERSION: u32 = 1;
 /// # Errors
 /// [`FileError`].
 pub fn parse_provenance(text: &str) -> Result<ProvenanceFile, FileError> {
-    parse(text, FORMAT, VERSION)
+    parse(text, PROVENANCE_FORMAT, VERSION)
 }
 
 /// Provenance of files without a place for it, as a file beside them.
@@ -267,7 +268,7 @@ impl ProvenanceFile {
     /// Of files beside it.
     #[must_use]
     pub fn new(of: Vec<InputFile>, provenance: Provenance) -> Self {
-        Self { format: FORMAT.to_owned(), version: VERSION, of, provenance }
+        Self { format: PROVENANCE_FORMAT.to_owned(), version: VERSION, of, provenance }
     }
 
     /// The files that it is of.

@@ -126,7 +126,6 @@ fn words(error: &StoreError) -> String {
         }
         StoreError::NoReason { .. } => "a withdrawal needs a reason".to_owned(),
         StoreError::BadEvent { reason, .. } => (*reason).to_owned(),
-        StoreError::Empty { .. } => "no vertebra is marked in this reading".to_owned(),
         StoreError::Incomplete { level, corners, .. } => {
             format!("{level} has {corners} of four corners")
         }

@@ -126,7 +126,7 @@ spineline::faults! {
             characters: usize,
         },
         /// A label with characters that hide or reorder text. The label is not repeated.
-        #[error("the label has a control character, or one that changes the direction of text")]
+        #[error("the label has a control character, or one that is invisible or changes the direction of text")]
         #[help("type the label again, in one line")]
         BadLabel,
         /// A name that is twice in a list.
@@ -250,13 +250,6 @@ spineline::faults! {
             level: Level,
             /// Corners that it has.
             corners: usize,
-        },
-        /// A planned reading without any vertebra.
-        #[error("{reading}: no vertebra is marked")]
-        #[help("place the four corners of at least one vertebra")]
-        Empty {
-            /// Reading.
-            reading: ReadingId,
         },
         /// Films and readings of a planned study follow the plan.
         #[error("study {study} has a reading plan; the plan determines films, observers and dates")]

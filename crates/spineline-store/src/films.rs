@@ -185,11 +185,18 @@ pub(crate) fn checked_label(label: Option<&str>) -> Result<Option<&str>, StoreEr
     if label.contains(hides_text) { Err(StoreError::BadLabel) } else { Ok(Some(label)) }
 }
 
-/// Whether a character breaks a line, controls a terminal, or changes the direction of the text after it.
+/// Whether a character breaks a line, controls a terminal, is invisible, or changes the direction of the text after it. U+200C and U+200D
+/// belong to the spelling of some languages.
 fn hides_text(c: char) -> bool {
     let directs = matches!(
         c,
-        '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+        '\u{61c}'
+            | '\u{200b}'
+            | '\u{200e}'
+            | '\u{200f}'
+            | '\u{2028}'..='\u{202e}'
+            | '\u{2060}'..='\u{2069}'
+            | '\u{feff}'
     );
     c.is_control() || directs
 }

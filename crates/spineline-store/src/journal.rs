@@ -70,8 +70,7 @@ impl Store {
     /// Finishes a reading, which is then immutable. A correction replaces the reading that it corrects.
     ///
     /// # Errors
-    /// [`StoreError::Incomplete`] where a vertebra lacks a corner; [`StoreError::Empty`] for a planned reading without vertebrae;
-    /// [`StoreError::Conflict`], [`StoreError::NotYours`],
+    /// [`StoreError::Incomplete`] where a vertebra lacks a corner; [`StoreError::Conflict`], [`StoreError::NotYours`],
     /// [`StoreError::Finished`], [`StoreError::Withdrawn`], [`StoreError::Archived`], [`StoreError::Unknown`].
     pub fn finish_reading(
         &mut self,

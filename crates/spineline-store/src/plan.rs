@@ -114,7 +114,8 @@ impl Store {
     /// Returns the number of readings.
     ///
     /// # Errors
-    /// [`StoreError::BadPlan`], [`StoreError::NameTwice`] for an observer, [`StoreError::Exists`] where the study has a plan, [`StoreError::Archived`], [`StoreError::Unknown`].
+    /// [`StoreError::BadPlan`], [`StoreError::NameTwice`] for an observer, [`StoreError::Exists`] where the study has a plan,
+    /// [`StoreError::Archived`], [`StoreError::Unknown`].
     pub fn reading_plan(
         &mut self,
         study: &Name,
@@ -135,8 +136,8 @@ impl Store {
     /// Replaces a plan that has no readings yet. Its codes become invalid.
     ///
     /// # Errors
-    /// [`StoreError::BadPlan`], also where a reading was begun; [`StoreError::NameTwice`] for an observer; [`StoreError::PlanReplaced`] where another plan replaced it before;
-    /// [`StoreError::Archived`]; [`StoreError::Unknown`] for a study without a plan.
+    /// [`StoreError::BadPlan`], also where a reading was begun; [`StoreError::NameTwice`] for an observer; [`StoreError::PlanReplaced`]
+    /// where another plan replaced it before; [`StoreError::Archived`]; [`StoreError::Unknown`] for a study without a plan.
     pub fn change_plan(
         &mut self,
         study: &Name,

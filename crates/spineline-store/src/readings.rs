@@ -148,13 +148,6 @@ pub(crate) fn finish(
             return Err(StoreError::Incomplete { reading, level, corners });
         }
     }
-    if state.vertebrae.is_empty() {
-        let film = self::reading(ledger.transaction, reading)?.film;
-        // A planned reading cannot be corrected after its end.
-        if films::is_planned(ledger.transaction, &films::film(ledger.transaction, film)?.study)? {
-            return Err(StoreError::Empty { reading });
-        }
-    }
     ledger.transaction.execute(
         "UPDATE readings SET finished_ms = ?1, rest_from_ms = max(?1, begun_ms,
          (SELECT coalesce(max(time_ms), ?1) FROM events WHERE reading = ?2)) WHERE id = ?2",

@@ -375,9 +375,9 @@ export class Marking {
     }
   }
 
-  async finish(): Promise<void> {
+  async finish(nothing_to_mark: boolean): Promise<void> {
     const { reading, revision: expected_revision } = this.#recorded;
-    const done = await finishReading(reading, { expected_revision });
+    const done = await finishReading(reading, { expected_revision, nothing_to_mark });
     this.#use(done.reading ?? { ...this.#recorded, finished: true });
   }
 

@@ -9,7 +9,7 @@ use spineline::anatomy::{Levels, Posture};
 use spineline::measure::{Noise, Outline};
 use spineline::multibody::{JointGroups, Support};
 use spineline::personalize::{
-    FitSettings, Identifiability, LogNormalPrior, Personalization, ProfileEnd, identify,
+    FitSettings, Gauge, Identifiability, LogNormalPrior, Personalization, ProfileEnd, identify,
 };
 use spineline::spatial::{Angle, Frontal};
 use spineline_phantom::{Readers, Scenario, generate};
@@ -151,21 +151,20 @@ fn a_prior_decides_unidentified_parameters_only() {
         ..Asked::regional(&patient)
     };
     let (fit, found) = patient.ask(&asked);
+    let gauge = Gauge::GeometricMean;
     let alone = prior.log_sd * f64::sqrt(1.0 - 1.0 / 14.0);
     for (one, log) in found.multipliers.iter().zip(&fit.log_multipliers) {
         let with = one.log_sd_with_prior.expect("there is a prior");
         assert!(with <= one.log_sd.min(alone) * (1.0 + 1e-9), "{with}, {}, {alone}", one.log_sd);
         assert!(log.abs() < 4.0 * alone, "{log}");
-        let share = one.film_share(prior.log_sd, 14).expect("there is a prior");
+        let share = one.film_share(prior.log_sd, 14, gauge).expect("there is a prior");
         assert!((share - (1.0 - (with / alone).powi(2))).abs() < 1e-9, "{share}");
     }
     asked.prior = Some(LogNormalPrior { log_sd: 1e-4 });
     let (fit, found) = patient.ask(&asked);
-    let shares = found.multipliers.iter().map(|one| one.film_share(1e-4, 14));
-    assert!(
-        shares.flatten().all(|share| share < 1e-3),
-        "a prior that is certain leaves nothing to films"
-    );
+    let mut shares = found.multipliers.iter().map(|one| one.film_share(1e-4, 14, gauge));
+    let is_nothing = |share: Option<f64>| share.is_some_and(|share| share < 1e-3);
+    assert!(shares.all(is_nothing), "a prior that is certain leaves nothing to films");
     assert!(fit.log_multipliers.iter().all(|log| log.abs() < 1e-3), "{:?}", fit.log_multipliers);
 }
 

@@ -314,6 +314,9 @@ fn the_loading_scenario_decides_which_line_predicts_better() {
     let (rod, pull) = (cohort(Scenario::Rod), cohort(Scenario::Pull));
     assert_eq!(better(&rod), Some(LineKind::Inflection));
     assert_eq!(better(&pull), Some(LineKind::Iliac));
+    let says = |cohort: &Cohort, part: &str| cohort.verdict().iter().any(|one| one.contains(part));
+    assert!(says(&rod, "There the iliac line is worse than"), "{:?}", rod.verdict());
+    assert!(says(&rod, "There the inflection line is "), "{:?}", rod.verdict());
     // Eighteen tests: three pairs on three kinds of films by two errors; none is corrected downwards.
     for test in rod.compared.tests.iter().chain(&pull.compared.tests) {
         let plain = test.comparison.sign_flip.map(|flip| flip.p_two_sided);

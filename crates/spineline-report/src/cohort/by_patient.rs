@@ -69,6 +69,11 @@ impl PatientRow {
         }
     }
 
+    /// Whether it counts in means and tests: its films are not in doubt.
+    pub(crate) const fn counts(&self) -> bool {
+        self.doubted_films.is_none()
+    }
+
     fn model(&self, kind: LineKind) -> Option<&ModelRow> {
         self.models.iter().find(|model| model.kind == kind)
     }

@@ -33,7 +33,7 @@ pub fn report(patients: &Patients<'_>) -> Document {
     sections.push(errors::by_kind_of_film(patients.together));
     sections.push(errors::tests(patients.together));
     sections.extend(hypotheses::section(
-        rows.iter().map(PatientRow::hypotheses),
+        rows.iter().filter(|row| row.counts()).map(PatientRow::hypotheses),
         &patients.together.baselines,
     ));
     sections.push(by_patient::section(&rows, patients.together));
@@ -83,7 +83,8 @@ pub fn full(rows: &Rows<'_>) -> Document {
 }
 
 fn compared_loads(rows: &Rows<'_>) -> Option<Section> {
-    hypotheses::section(rows.patients.iter().map(PatientRow::hypotheses), &rows.together.baselines)
+    let counted = rows.patients.iter().filter(|row| row.counts());
+    hypotheses::section(counted.map(PatientRow::hypotheses), &rows.together.baselines)
 }
 
 fn answers(rows: &Rows<'_>) -> Section {

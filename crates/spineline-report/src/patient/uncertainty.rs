@@ -72,7 +72,8 @@ pub fn identifiability(
             ];
             if let Some(prior) = prior {
                 row.push(one.log_sd_with_prior.map_or_else(none, deviation));
-                let share = one.film_share(prior.log_sd, found.multipliers.len());
+                let share =
+                    one.film_share(prior.log_sd, found.multipliers.len(), analysis.options.gauge);
                 row.push(share.map_or_else(none, |share| fixed(100.0 * share, 0)));
             }
             table.row(row);

@@ -7,7 +7,7 @@ use spineline::hypothesis::{Hypothesis, HypothesisScores, Role, compare};
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::number::{fixed, signed};
 use spineline::personalize::{
-    FitStatus, FitTarget, Identifiability, LogNormalPrior, StiffnessBound,
+    FitStatus, FitTarget, Gauge, Identifiability, LogNormalPrior, StiffnessBound,
 };
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo, QuantityKind, Uncertainty};
@@ -247,7 +247,7 @@ fn requested_identifiability_and_prior_are_shown() {
             let row = format!("{} {} {}", model.kind, name, fixed(value, 2));
             holds(&text, &[row]);
             let with_prior = one.log_sd_with_prior.expect("there is a prior");
-            let share = one.film_share(prior.log_sd, found.multipliers.len());
+            let share = one.film_share(prior.log_sd, found.multipliers.len(), Gauge::GeometricMean);
             let cells = [
                 deviation(one.log_sd),
                 one.verdict().to_string(),

@@ -253,6 +253,9 @@ pub struct FinishedReading {
 pub struct Finish {
     /// Revision that the requester has seen.
     pub expected_revision: u64,
+    /// Whether the film shows no vertebra that can be marked: a planned reading without vertebrae needs this.
+    #[serde(default)]
+    pub nothing_to_mark: bool,
 }
 
 /// A withdrawal of a reading.

@@ -30,7 +30,7 @@ pub use lost::{
 };
 pub use markable::may_mark;
 use markable::{Markable, markable};
-use view::{need_no_error, view_after_loss};
+use view::{need_sound, view_after_loss};
 pub use view::{view, withdrawal_view};
 
 pub fn routes() -> OpenApiRouter<AppState> {
@@ -126,7 +126,7 @@ async fn finish(
         let is_repeated = before.finished && before.revision == new.expected_revision;
         if !(is_repeated && known.record.observer == user.name) {
             if before.revision == new.expected_revision {
-                need_no_error(&known, &before)?;
+                need_sound(&known, &before, new.nothing_to_mark)?;
             }
             if let Err(refused) = store.finish_reading(id, new.expected_revision, &by) {
                 return refusal(&asker, store, &user, id, refused).map(Err);

@@ -225,10 +225,17 @@ fn faults(
     notices.collect()
 }
 
-/// Refuses the end of a planned reading with an open error: it cannot be corrected afterwards.
-pub fn need_no_error(seen: &SeenReading, state: &ReadingState) -> Answer<()> {
+/// Refuses the end of a planned reading with an open error, or without vertebrae on a film that shows some: it cannot be corrected
+/// afterwards.
+pub fn need_sound(seen: &SeenReading, state: &ReadingState, nothing_to_mark: bool) -> Answer<()> {
     if seen.code.is_none() {
         return Ok(());
+    }
+    let refused = |code, text: String| Failure::new(StatusCode::UNPROCESSABLE_ENTITY, code, text);
+    if state.vertebrae.is_empty() && !nothing_to_mark {
+        let text = "no vertebra is marked in this reading".to_owned();
+        return Err(refused("no_landmarks", text)
+            .help("mark a vertebra, or confirm that the film shows none that can be marked"));
     }
     let view = seen.film.view;
     let faults = landmarks(state, view).faults(&seen.film.geometry()?);
@@ -237,8 +244,7 @@ pub fn need_no_error(seen: &SeenReading, state: &ReadingState) -> Answer<()> {
     if errors.is_empty() {
         return Ok(());
     }
-    let text = format!("errors of landmarks are open: {errors}");
-    Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "landmark_errors", text)
+    Err(refused("landmark_errors", format!("errors of landmarks are open: {errors}"))
         .help("correct them first: a planned reading cannot be changed after its end"))
 }
 

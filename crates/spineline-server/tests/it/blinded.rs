@@ -275,7 +275,7 @@ fn a_planned_reading_without_a_vertebra_or_with_an_open_error_is_not_finished() 
         assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", answer.text());
         assert!(answer.code() == code && answer.text().contains(part), "{}", answer.text());
     };
-    refused(0, "refused", "no vertebra is marked");
+    refused(0, "no_landmarks", "no vertebra is marked");
     // The patient's left is on the left of the picture, and the left corners are on the right.
     let exchanged = [
         ("superior_left", 323.0, 5.0),
@@ -293,4 +293,8 @@ fn a_planned_reading_without_a_vertebra_or_with_an_open_error_is_not_finished() 
     anna.post(&format!("{at}/events"), &remove).succeeded();
     anna.post(&format!("{at}/events"), &corners(5, &right)).succeeded();
     anna.post(&format!("{at}/finish"), &revision(9)).succeeded();
+    // A film that shows none.
+    let next = begin(&anna);
+    let nothing = json!({ "expected_revision": 0, "nothing_to_mark": true });
+    anna.post(&format!("/api/readings/{next}/finish"), &nothing).succeeded();
 }

@@ -423,14 +423,3 @@ fn a_plan_is_changed_until_its_first_reading_begins() {
     refused!(change(&mut store, now.id), BadPlan { .. });
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
-
-#[test]
-fn a_planned_reading_without_a_vertebra_is_not_finished() {
-    let (_folder, mut store) = planned(DESIGN);
-    let Next::Begin(film) = next(&store, "A", minute(10)) else { panic!("a film") };
-    let reading = store.begin_planned(&film.code, &by("A", 10)).expect("the next film");
-    refused!(store.finish_reading(reading, 0, &by("A", 11)), Empty { .. });
-    assert_eq!(next(&store, "A", minute(12)), Next::Continue(film, reading));
-    let revision = mark(&mut store, reading, 0, &by("A", 13));
-    store.finish_reading(reading, revision, &by("A", 14)).expect("finished");
-}

@@ -12,7 +12,6 @@ use crate::multibody::{
     Support,
 };
 use crate::number::scientific;
-use crate::personalize::TestOutcome;
 use crate::response::{OnSignedPoint, Response, go_on, respond, usual_limit};
 use crate::spatial::{Mat3, Vec3};
 
@@ -123,8 +122,7 @@ impl Analysis {
 
     /// The doubts that the films raise about the model of a line.
     fn doubts(&self, line: &LineModel) -> Vec<String> {
-        let rejected = self.compatibility(line).outcome() == TestOutcome::Rejected;
-        let rejected = rejected.then(|| {
+        let rejected = self.is_rejected(line).then(|| {
             let (bends, s) = self.tested_by([line]);
             format!(
                 "the {bends} reject{s} a single force along the {}, with which its stiffness was fitted",

@@ -20,7 +20,7 @@ impl Analysis {
                 "only ratios are identified; their geometric mean is held at 1"
             }
             (Gauge::GeometricMean, Reference::Loaded { .. }) => {
-                "the geometric mean is held at 1 (assumed); with the weight, ratios depend on it"
+                "the geometric mean is held at 1 (assumed); with a weight, the ratios depend on this level"
             }
             (Gauge::FrozenForce, _) => "forces fixed at their values with the nominal stiffness",
             (Gauge::KnownForce { .. }, _) => "scaled to the known force",

@@ -86,7 +86,7 @@ pub(super) fn doubted_sentence(
     (doubted > 0).then(|| {
         let named = first_named(by_patient().map(name), doubted);
         format!(
-            "Films of {doubted} of {patients} patients may be wrong; check them first: {named}. Until then, no mean and no test counts these patients."
+            "Films of {doubted} of {patients} patients may be wrong; check them first: {named}. Means and tests leave these patients out until then."
         )
     })
 }

@@ -21,7 +21,7 @@ const SAME_TILT: Angle = Angle::from_deg(0.01);
 
 /// The landmarks of one vertebra in a reading.
 pub(super) trait Mark: Copy {
-    /// Whether both have the same coordinates; `None` where this says nothing about the readers.
+    /// Whether both have the same coordinates; `None` for equal corners that a program proposed.
     fn is_same(&self, other: &Self) -> Option<bool>;
 
     /// Adds landmarks that only the copy has.
@@ -75,13 +75,19 @@ fn are_same<T: Mark>(one: &Reading<T>, other: &Reading<T>) -> bool {
 
 /// The places of every reading with copies, and of its copies, in the order of observers and repeats: the first one is the original.
 fn copies<T: Mark>(readings: &[Reading<T>]) -> Vec<(usize, Vec<usize>)> {
+    if readings.len() < 2 {
+        return Vec::new();
+    }
     let mut order: Vec<usize> = (0..readings.len()).collect();
     order.sort_by(|&a, &b| readings[a].id.cmp(&readings[b].id));
     let mut found: Vec<(usize, Vec<usize>)> = Vec::new();
     for place in order {
-        let original =
-            found.iter_mut().find(|(first, _)| are_same(&readings[*first], &readings[place]));
-        match original {
+        // Of all others, since copies may have vertebrae that the original lacks.
+        let is_copy = |(first, copies): &&mut (usize, Vec<usize>)| {
+            let mut all = std::iter::once(first).chain(copies.iter());
+            all.all(|&one| are_same(&readings[one], &readings[place]))
+        };
+        match found.iter_mut().find(is_copy) {
             Some((_, copies)) => copies.push(place),
             None => found.push((place, Vec::new())),
         }

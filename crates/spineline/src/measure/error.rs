@@ -343,7 +343,7 @@ faults! {
         /// The spine runs down the picture of a film, with left and right, or front and back, exchanged in every vertebra.
         #[error("in all {count} vertebrae the superior corners lie below the inferior ones and the sides are exchanged, so rows count from the bottom, or the film is upside down")]
         #[code("rows_from_bottom")]
-        #[help("rows count from the top: write height − 1 − row for the row of every landmark and leave the side of the patient as it is; turn a film that is upside down, and mark it again")]
+        #[help("write height − 1 − row for every row, and keep the side of the patient; or turn a film that is upside down and mark it again")]
         RowsFromBottom {
             /// Vertebrae marked.
             count: usize,

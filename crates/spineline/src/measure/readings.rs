@@ -35,6 +35,7 @@ impl FilmReadings {
             }
             FilmLandmarks::Placements { spacing_plane, .. } => *spacing_plane,
         };
+        // Copies are measured too, so that a fault in one is refused.
         let mut readings = measure_readings(film, rule)?;
         let mut copied = Vec::new();
         if let Cow::Owned(once) = film.with_copies_as_one() {

@@ -99,14 +99,15 @@ pub struct MultiplierInformation {
 }
 
 impl MultiplierInformation {
-    /// Part of the information that comes from the films and not from a prior of this deviation, 0 to 1; `None` without a prior, or for
-    /// the only group.
+    /// Part of the information that comes from the films and not from a prior of this deviation, 0 to 1; `None` without a prior, or where
+    /// the gauge determines the only group.
     #[must_use]
-    pub fn film_share(&self, prior_log_sd: f64, groups: usize) -> Option<f64> {
-        // The mean is held, so that a prior alone gives each of independent values less its mean.
-        let variance_of_prior = prior_log_sd.powi(2) * (1.0 - 1.0 / groups as f64);
+    pub fn film_share(&self, prior_log_sd: f64, groups: usize, gauge: Gauge) -> Option<f64> {
+        // Where the mean is held, a prior alone gives each of independent values less their mean.
+        let held = if gauge == Gauge::FrozenForce { 0.0 } else { 1.0 / groups as f64 };
+        let variance_of_prior = prior_log_sd.powi(2) * (1.0 - held);
         let share = 1.0 - self.log_sd_with_prior?.powi(2) / variance_of_prior;
-        (groups > 1).then(|| share.clamp(0.0, 1.0))
+        (variance_of_prior > 0.0).then(|| share.clamp(0.0, 1.0))
     }
 
     /// Ends of the 95 % interval of `ln` stiffness over its joints: the lower one is open below the bounds of multipliers, and the upper one

@@ -174,16 +174,15 @@ impl Best {
     }
 
     /// Distinct ends that other readings of the films can make the best one, which is first.
-    fn minima(&self) -> Vec<Start> {
+    fn minima(&self, target: FitTarget) -> Vec<Start> {
         /// Ends whose sums of squares agree like this are one.
         const SAME: f64 = 1e-4;
-        /// Residuals are in standard deviations of the readings, so other readings move the difference between the roots of two sums of
-        /// squares by about 1.
+        /// Other readings move the difference between the roots of two sums of squares by about the noise of one residual.
         const REACH: f64 = 10.0;
         let mut ends: Vec<&(Start, f64)> = self.ends.iter().collect();
         ends.sort_by(|a, b| a.1.total_cmp(&b.1));
         ends.dedup_by(|b, a| b.1 - a.1 <= SAME * a.1);
-        let farthest = REACH + ends.first().map_or(0.0, |end| end.1.sqrt());
+        let farthest = REACH * satisfied_rms(target) + ends.first().map_or(0.0, |end| end.1.sqrt());
         ends.into_iter().filter(|end| end.1.sqrt() <= farthest).map(|end| end.0.clone()).collect()
     }
 
@@ -193,7 +192,7 @@ impl Best {
         problem: &Problem<'_, F>,
         free: Option<&Personalization>,
     ) -> Personalization {
-        let minima = self.minima();
+        let minima = self.minima(problem.target());
         let Some((minimum, Start { log_multipliers, loads })) = self.minimum else {
             let groups = problem.springs.groups.len();
             return Personalization {

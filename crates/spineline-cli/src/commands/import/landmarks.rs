@@ -13,7 +13,7 @@ use spineline::measure::{
 };
 use spineline::spatial::Pixel;
 use spineline::warning::Warnings;
-use spineline_files::{file_format, read_text};
+use spineline_files::{PROVENANCE_FORMAT, file_format, read_text};
 use spineline_landmarks::{
     LandmarkError, LandmarkHint, parse_lateral_csv, read_file, read_landmarks,
 };
@@ -88,7 +88,7 @@ pub fn read_onto(
         let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
         if is_provenance(&of.value) {
             say(format!(
-                "note: {} is passed over: it is an output (`{PROVENANCE}`), not a file of landmarks",
+                "note: {} is passed over: it is an output (`{PROVENANCE_FORMAT}`), not a file of landmarks",
                 of.value.display()
             ));
             continue;
@@ -133,12 +133,11 @@ pub fn read_onto(
     Ok(landmarks)
 }
 
-/// The format of the list of files that `export` writes beside several files of landmarks.
-const PROVENANCE: &str = "spineline-provenance";
-
+/// Whether it is the list of files that `export` writes beside several files of landmarks. Only files of its name are read.
 fn is_provenance(path: &Path) -> bool {
     let format = || read_text(path).ok().and_then(|text| file_format(&text));
-    path.to_string_lossy().ends_with("provenance.json") && format().as_deref() == Some(PROVENANCE)
+    path.to_string_lossy().ends_with("provenance.json")
+        && format().as_deref() == Some(PROVENANCE_FORMAT)
 }
 
 fn not_chosen(file: &Path, posture: Posture) -> Failure {

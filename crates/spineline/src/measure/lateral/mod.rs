@@ -4,6 +4,8 @@ mod outline;
 
 pub use outline::{LateralOutline, LateralVertebra};
 
+use std::borrow::Cow;
+
 use super::bodies::ReadBodies;
 use super::copies::{as_one, warn_of_copies};
 use super::film_checks::{check_observers, check_pixels};
@@ -68,9 +70,13 @@ impl LateralFilm {
         for (code, text) in sizes.doubts() {
             FilmView::Lateral.warn_of_film(code, text, warnings);
         }
-        let once = as_one(&self.readings);
-        let bodies: Vec<_> = once.iter().map(|one| ReadBodies::of(one, body)).collect();
-        let outline = LateralOutline::of(&bodies, has_scale, self.simultaneous);
+        let outline = match as_one(&self.readings) {
+            Cow::Borrowed(_) => LateralOutline::of(&bodies, has_scale, self.simultaneous),
+            Cow::Owned(once) => {
+                let bodies: Vec<_> = once.iter().map(|one| ReadBodies::of(one, body)).collect();
+                LateralOutline::of(&bodies, has_scale, self.simultaneous)
+            }
+        };
         warn_of_reversed_curves(&outline, warnings);
         Ok(outline)
     }
