@@ -317,6 +317,16 @@ fn a_copy_keeps_its_own_vertebrae_and_one_moved_vertebra_makes_another_reading()
         corners.superior_left.row_px += 0.1;
     });
     assert!(!judge_landmarks(erect(&moved)).has(WarningCode::ReadingsCopied));
+    // A agrees with both others, because it lacks T8: only one of them is its copy.
+    let mut three = moved.clone();
+    let readings = landmarks(&mut three.films[0]).2;
+    let whole = Reading { id: ReadingId::new("B", 1), ..readings[1].clone() };
+    readings[1].vertebrae.remove(&Level::T8);
+    readings.push(whole);
+    let found = FilmReadings::measure(erect(&three), TiltRule::default()).expect("a sound film");
+    let ids: Vec<&ReadingId> = found.readings.iter().map(|reading| &reading.id).collect();
+    assert_eq!(ids, [&ReadingId::new("A", 1), &ReadingId::new("Z", 1)]);
+    assert_eq!(found.copied, [ReadingId::new("B", 1)]);
     // Readers who accept a program's corners have the same ones.
     let accepted = read_again(&case, |reading| {
         let origins = Corners::all(Origin::Accepted);
