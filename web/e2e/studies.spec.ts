@@ -170,7 +170,7 @@ test.describe("with films of one phantom", () => {
       .first()
       .click();
     await page.getByLabel("Posture").selectOption("erect");
-    await page.getByRole("radio", { name: "right of the picture" }).check();
+    await page.getByRole("radio", { name: "left of the picture" }).check();
     await page.getByRole("textbox", { name: "Identifier" }).fill("of-the-archive");
     await page.getByRole("button", { name: "Create the study" }).click();
     await expect(page).toHaveURL(/#\/studies\/of-the-archive\/measure/, { timeout: 60_000 });
