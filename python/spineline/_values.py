@@ -1,4 +1,6 @@
-"""Values of options from callers: a wrong one is an error that names option and value. Numbers and arrays of numpy become plain ones."""
+"""Values of options from callers: a wrong one is an :class:`InputError` that names option and value. Numbers and arrays of numpy become
+plain ones.
+"""
 
 from __future__ import annotations
 
@@ -32,13 +34,7 @@ def plain(value: Any) -> Any:
 
 
 def real(name: str, value: Any) -> float:
-    """A number, which may be NaN or infinite.
-
-    Raises
-    ------
-    InputError
-        If it is not a number.
-    """
+    """A number, which may be NaN or infinite."""
     found = _real(value)
     if found is None:
         raise wrong(name, value, "give a number")
@@ -46,13 +42,7 @@ def real(name: str, value: Any) -> float:
 
 
 def number(name: str, value: Any) -> float:
-    """A finite number.
-
-    Raises
-    ------
-    InputError
-        If it is not a number, or not finite.
-    """
+    """A finite number."""
     found = _real(value)
     if found is None or not math.isfinite(found):
         raise wrong(name, value, "give a finite number")
@@ -60,13 +50,7 @@ def number(name: str, value: Any) -> float:
 
 
 def numbers(name: str, values: Any, count: int | None = None) -> list[float]:
-    """Finite numbers.
-
-    Raises
-    ------
-    InputError
-        If they are not numbers, not finite, or not of this count.
-    """
+    """Finite numbers."""
     found = _list(values)
     if found is None or count not in (None, len(found)):
         raise wrong(name, values, "give a list of numbers" if count is None else f"give {count} numbers")
@@ -74,13 +58,7 @@ def numbers(name: str, values: Any, count: int | None = None) -> list[float]:
 
 
 def whole(name: str, value: Any, lowest: int, highest: int) -> int:
-    """A whole number in these limits.
-
-    Raises
-    ------
-    InputError
-        If it is not a whole number, or beyond a limit.
-    """
+    """A whole number in these limits."""
     found, help = plain(value), f"give a whole number from {lowest} to {highest}"
     if isinstance(found, bool) or not isinstance(found, int):
         raise wrong(name, value, help)
@@ -90,26 +68,14 @@ def whole(name: str, value: Any, lowest: int, highest: int) -> int:
 
 
 def text(name: str, value: Any, help: str = "give a text") -> str:
-    """A text.
-
-    Raises
-    ------
-    InputError
-        If it is not a text.
-    """
+    """A text."""
     if not isinstance(value, str):
         raise wrong(name, value, help)
     return value
 
 
 def texts(name: str, values: Any) -> list[str]:
-    """Texts.
-
-    Raises
-    ------
-    InputError
-        If it is one text, or not texts.
-    """
+    """Texts."""
     found = _list(values)
     if found is None:
         raise wrong(name, values, "give a list of texts")
@@ -117,13 +83,7 @@ def texts(name: str, values: Any) -> list[str]:
 
 
 def truth(name: str, value: Any) -> bool:
-    """True or false.
-
-    Raises
-    ------
-    InputError
-        If it is neither.
-    """
+    """True or false."""
     found = plain(value)
     if not isinstance(found, bool):
         raise wrong(name, value, "give True or False")
@@ -131,26 +91,14 @@ def truth(name: str, value: Any) -> bool:
 
 
 def path(name: str, value: Any) -> str:
-    """A path.
-
-    Raises
-    ------
-    InputError
-        If it is not a path.
-    """
+    """A path."""
     if not isinstance(value, (str, os.PathLike)):
         raise wrong(name, value, "give a path")
     return str(os.fspath(value))
 
 
 def renamed(name: str, value: Any) -> dict[str, str]:
-    """New names by old ones.
-
-    Raises
-    ------
-    InputError
-        If it is not a mapping of texts.
-    """
+    """New names by old ones."""
     if not isinstance(value, Mapping):
         raise wrong(name, value, "give a mapping of texts")
     return dict(zip(texts(name, list(value)), texts(name, list(value.values())), strict=True))

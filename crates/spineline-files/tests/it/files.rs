@@ -243,7 +243,7 @@ fn a_list_with_too_many_values_is_named_as_one_with_too_few_is() {
     assert!(few.contains(&format!("{place}1 values where a list of 2 is expected")), "{few}");
     assert!(many.contains(&format!("{place}more values than expected")), "{many}");
     assert!(matches!(with("confidence", &[0.5; 5]), FileError::Value { .. }));
-    // Text after the JSON, or within it, is no list.
+    // Text after the JSON, or within it, is a fault of syntax.
     for wrong in [text() + "]", text().replacen('[', "[5 5 ", 1)] {
         assert!(matches!(refused(&wrong), FileError::Syntax { .. }), "{}", refused(&wrong));
     }

@@ -168,7 +168,7 @@ fn pairs_of_distances_with_another_shape_of_a_pixel_are_asked_about() {
     };
     let asked = judge_spacing(&scanned).question().map(ToString::to_string).unwrap_or_default();
     assert!(asked.contains("1.000 times by Nominal Scanned Pixel Spacing"), "{asked}");
-    // One shape at two scales is no contradiction, nor is a last digit that was rounded.
+    // Two scales of one shape agree, and so do distances with a rounded last digit.
     for (pixel, imager) in [(tall, tall_imager), (square, [0.275, 0.2755])] {
         for (calibration, magnification) in
             [(calibrated, Some(1.1)), (None, Some(1.1)), (None, None)]
