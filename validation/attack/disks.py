@@ -40,7 +40,7 @@ def outputs(samples: Path) -> list[tuple[str, list[str]]]:
         ("folder", ["export", with_films, "--to", "dicom-sr", "--out", "OUT"]),
         ("json", ["reliability", str(samples / "readings.csv"), "--json", "OUT"]),
         ("csv", ["reliability", str(samples / "readings.csv"), "--csv", "OUT"]),
-        ("folder", ["reliability", str(samples / "readings.csv"), "--figure", "OUT"]),
+        ("folder", ["reliability", str(samples / "readings.csv"), "--figures", "OUT"]),
         ("folder", ["phantom", "--scenario", "rod", "--subject", "1", "--out", "OUT"]),
         ("folder", ["phantom", "--scenario", "rod", "--subject", "1", "--films", "--out", "OUT"]),
         ("png", ["film", str(samples / "jpeg-ls.dcm"), "--png", "OUT"]),

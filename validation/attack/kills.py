@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from program import MAX_SECONDS, parts, run, temporary
+from small import png
 
 LEVELS = "L4 L3 L2 L1 T12 T11 T10 T9 T8 T7 T6 T5 T4 T3 T2".split()
 CORNERS = ("superior_left", "superior_right", "inferior_right", "inferior_left")
@@ -67,7 +68,7 @@ class Server:
 def attack(program: Path, samples: Path, kills: int, seed: int) -> Iterator[str]:
     """Faults over `kills` kills of one store."""
     rng = random.Random(f"{seed} kills")
-    film = (samples / "seeds" / "film" / "rle").read_bytes()
+    film = png(64, 64)
     clicks = uploads = 0
     with temporary() as place:
         store = Path(place) / "study.spineline"

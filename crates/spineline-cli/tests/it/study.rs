@@ -64,8 +64,14 @@ fn texts_about_a_store_fit_a_terminal_and_a_store_is_not_a_case() {
         let out = here.done(&["study", command, "s.db"]);
         assert!(out.lines().all(|line| line.chars().count() <= 100), "{out}");
     }
-    // Programs get the hash of a film as a whole.
+    // Programs get one line per entry, with whole words and whole hashes of films.
+    let by = "reader-of-the-second-hospital";
+    let mut case = here.json("p/phantom-rod-01.json");
+    case["case_id"] = "second".into();
+    here.write("p/second.json", case.to_string());
+    here.done(&["study", "add", "s.db", "p/second.json", "--by", by]);
     let log = here.done(&["study", "log", "s.db"]);
+    assert!(log.lines().skip(2).all(|line| line.contains('Z')) && log.contains(by), "{log}");
     let erect = format!("content/{}", spineline_files::sha256_hex(b"erect"));
     assert!(log.split_whitespace().any(|word| word == erect), "{log}");
     let error = here.refused(&["analyze", "s.db"], 3);

@@ -162,7 +162,9 @@ fn list(store: &Store) -> Result<String, StoreError> {
             table.row(vec![study.id.to_string(), nothing(), nothing(), nothing(), nothing()]);
         }
     }
-    Ok(terminal::table(&table, width()))
+    // In a file or a pipe every entry is one line, so that programs find whole words.
+    let width = if stdout().is_terminal() { width() } else { usize::MAX };
+    Ok(terminal::table(&table, width))
 }
 
 fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String> {
@@ -198,7 +200,9 @@ fn log(store: &Store) -> Result<String, StoreError> {
         add.words("What", |entry| entry.action.clone());
         add.words("Object", |entry| shown_object(&entry.object));
     });
-    Ok(terminal::table(&table, width()))
+    // In a file or a pipe every entry is one line, so that programs find whole words.
+    let width = if stdout().is_terminal() { width() } else { usize::MAX };
+    Ok(terminal::table(&table, width))
 }
 
 /// An object of the log. A terminal shows the start of a film's hash; a file or a pipe gets the whole hash.
