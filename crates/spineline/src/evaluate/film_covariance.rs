@@ -31,18 +31,26 @@ impl FilmCovariance {
             FilmFromTop::of(erect, film).covariances(prior, &links, knows_tilt)?;
         let mut found = Self { locations_mm2, tilts_rad2 };
         for outline in [erect, film] {
-            let noise = |i: usize| outline.noise_of(&outline.vertebrae[i]);
-            let base = noise(0);
-            for i in 1..outline.vertebrae.len() {
-                let own = noise(i);
-                let mm2 = base.location_mm.powi(2) + own.location_mm.powi(2);
-                for row in [2 * i, 2 * i + 1] {
-                    found.locations_mm2[(row, row)] += mm2;
-                }
-                found.tilts_rad2[(i, i)] += base.tilt.rad().powi(2) + own.tilt.rad().powi(2);
-            }
+            found.add_errors(&outline.covariance());
         }
         Some(found)
+    }
+
+    /// Adds the errors of a film's landmarks: left, cranial and tilt of every vertebra.
+    ///
+    /// # Definition
+    /// `G` counts places and tilts from the base, so the error of vertebra `i` is `e_i - e_0`. Two vertebrae share the error of the base:
+    /// with independent `e` of the variance `σ²` their covariance is `σ²`, and the variance of each is `2 σ²`. The error of the base's tilt
+    /// turns the whole film. This is a rotation of the lowest joint and belongs to the distribution of rotations.
+    fn add_errors(&mut self, errors: &DMatrix<f64>) {
+        let from_base = |i: usize, j: usize| {
+            let (k, l) = (i % 3, j % 3);
+            errors[(i, j)] - errors[(i, l)] - errors[(k, j)] + errors[(k, l)]
+        };
+        let (size, place) = (self.tilts_rad2.nrows(), |row: usize| 3 * (row / 2) + row % 2);
+        self.locations_mm2 +=
+            DMatrix::from_fn(2 * size, 2 * size, |i, j| from_base(place(i), place(j)));
+        self.tilts_rad2 += DMatrix::from_fn(size, size, |i, j| from_base(3 * i + 2, 3 * j + 2));
     }
 
     /// Root mean square distance of a vertebra from its prediction.
@@ -84,6 +92,40 @@ impl FilmCovariance {
 mod tests {
     use super::*;
     use crate::anatomy::Region;
+
+    #[test]
+    fn the_noise_of_an_angle_is_the_same_with_and_without_the_base() {
+        // Closed form: errors of three places 30 mm apart turn two lines against each other by (e_0 - 2 e_1 + e_2) / 30 mm.
+        let (location_mm, tilt_rad) = (0.3, 0.01);
+        let [place, tilt]: [f64; 2] = [location_mm, tilt_rad].map(|sd: f64| sd * sd);
+        let errors = DMatrix::from_fn(18, 18, |i, j| match (i == j, i % 3) {
+            (false, _) => 0.0,
+            (true, 2) => tilt,
+            (true, _) => place,
+        });
+        let mut found = FilmCovariance {
+            locations_mm2: DMatrix::zeros(12, 12),
+            tilts_rad2: DMatrix::zeros(6, 6),
+        };
+        found.add_errors(&errors);
+        let locations: Vec<Frontal> =
+            (0..6).map(|i| Frontal::new(0.0, 30.0 * f64::from(i))).collect();
+        for inferior in [0, 2] {
+            let bounds = RegionBounds {
+                region: Region::MainThoracic,
+                inferior,
+                apex: inferior + 1,
+                superior: inferior + 2,
+            };
+            let ferguson = found.ferguson_sd(&locations, &bounds).rad();
+            assert!((ferguson - 6.0_f64.sqrt() * location_mm / 30.0).abs() < 1e-12, "{ferguson}");
+            let range = found.tilt_range_sd(&bounds).rad();
+            assert!((range - 2.0_f64.sqrt() * tilt_rad).abs() < 1e-12, "{range}");
+        }
+        assert_eq!(found.distance_mm(0), 0.0);
+        // Two coordinates, each with the error of the vertebra and of the base.
+        assert!((found.distance_mm(3) - 2.0 * location_mm).abs() < 1e-12);
+    }
 
     #[test]
     fn the_deviation_of_a_ferguson_angle_follows_from_its_differences() {
