@@ -8,6 +8,7 @@ use spineline::analysis::{
 };
 use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind, LinePairTest, OutcomeCounts};
+use spineline::evaluate::Baseline;
 use spineline::hypothesis::{Hypothesis, LoadShape, Role};
 use spineline::measure::{Corners, FilmLandmarks, FilmLengthRule};
 use spineline::multibody::Support;
@@ -103,6 +104,18 @@ fn every_value_from_a_film_is_counted() {
     assert_eq!(numbers(LineKind::Inflection), ([2, 2, 0], 4, 1));
     assert_eq!(numbers(LineKind::Iliac), ([2, 2, 0], 4, 1));
     assert_eq!(numbers(LineKind::Estimated), ([2, 2, 4], 8, 3));
+    // The force of a line of geometry or the size of a pattern; two coordinates of T2; these and its tilt.
+    for (by, count) in [
+        (FilmPredictor::Line(LineKind::Inflection), 1),
+        (FilmPredictor::Line(LineKind::Estimated), 3),
+        (FilmPredictor::LineWithTilt(LineKind::Inflection), 3),
+        (FilmPredictor::Baseline(Baseline::MirroredBend), 1),
+        (FilmPredictor::Baseline(Baseline::RotationPrior), 2),
+        (FilmPredictor::Baseline(Baseline::RotationPriorWithTilt), 3),
+        (FilmPredictor::Baseline(Baseline::Cubic), 3),
+    ] {
+        assert_eq!(found.per_predicted_film(by), count, "{by:?}");
+    }
     assert!(found.same_data());
 }
 

@@ -4,7 +4,7 @@ use spineline::analysis::{
     Analysis, BAND_COVERAGE, FilmPredictor, FilmRole, LineModel, LinesCompared, Reference,
 };
 use spineline::anatomy::Posture;
-use spineline::evaluate::{Baseline, Simulation};
+use spineline::evaluate::Simulation;
 use spineline::multibody::StiffnessLibrary;
 use spineline::number::{fixed, interval};
 use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, STIFFNESS_COVERAGE, StiffnessBound};
@@ -308,22 +308,13 @@ pub fn by_line(analysis: &Analysis) -> Table {
         });
         add.words("Numbers taken from the films", |&(by, role, _)| match place(by) {
             Some(line) => numbers(&found.lines[line].numbers, role),
-            None => format!("{} per film", taken(by)),
+            None => format!("{} per film", found.per_predicted_film(by)),
         });
     });
     table.note = format!(
         "* without mechanics. Errors on fitted bends are not evidence for a line. {BAND_COVERAGE}"
     );
     table
-}
-
-/// How many numbers a prediction takes from a film: the size of a pattern or of a force, or the coordinates and the tilt of T2.
-const fn taken(by: FilmPredictor) -> usize {
-    match by {
-        FilmPredictor::Baseline(Baseline::RotationPrior) => 2,
-        _ if by.knows_tilt() => 3,
-        _ => 1,
-    }
 }
 
 /// A sentence where the lines used different data; else empty.

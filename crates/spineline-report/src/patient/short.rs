@@ -264,12 +264,8 @@ fn table(analysis: &Analysis) -> Table {
 
 /// The name of a prediction with the marks of the table's note.
 fn prediction_words(analysis: &Analysis, by: FilmPredictor) -> String {
-    let numbers = |kind: LineKind| {
-        let line = analysis.comparison().lines.iter().find(|line| line.kind == kind);
-        line.map_or(1, |line| line.numbers.per_predicted_film)
-    };
     match by {
-        FilmPredictor::Line(kind) if numbers(kind) > 1 => {
+        FilmPredictor::Line(kind) if analysis.comparison().per_predicted_film(by) > 1 => {
             format!("{} †", sentence_case(&kind.to_string()))
         }
         by if by.is_line() => sentence_case(&by.to_string()),

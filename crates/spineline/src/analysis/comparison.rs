@@ -288,6 +288,21 @@ impl LinesCompared {
         lines.chain(with_tilt).chain(Baseline::ALL.map(FilmPredictor::Baseline))
     }
 
+    /// Numbers that a predictor takes from a film: of a load its components, of a pattern of rotations its size, and of a distribution or
+    /// with the tilt the coordinates of T2 and this tilt.
+    #[must_use]
+    pub fn per_predicted_film(&self, by: FilmPredictor) -> usize {
+        match by {
+            FilmPredictor::Line(kind) => {
+                let line = self.lines.iter().find(|line| line.kind == kind);
+                line.map_or(1, |line| line.numbers.per_predicted_film)
+            }
+            _ if by.knows_tilt() => 3,
+            FilmPredictor::Baseline(Baseline::RotationPrior) => 2,
+            _ => 1,
+        }
+    }
+
     /// Number of films of a role that are predicted.
     #[must_use]
     pub fn predicted_films(&self, by: FilmPredictor, role: FilmRole) -> usize {
