@@ -1,7 +1,7 @@
 //! Errors of the models over a cohort, by kind of film, and every test between the lines.
 
 use spineline::analysis::FilmRole;
-use spineline::cohort::{Cohort, ErrorKind, MissingResult};
+use spineline::cohort::{Cohort, ErrorKind, MissingResult, enough_words};
 use spineline::number::{p_value, with_sd};
 
 use super::movement::table_of_tests;
@@ -244,6 +244,9 @@ fn against_baselines(cohort: &Cohort) -> Table {
         add.numbers("Holm p", |test| holm_p(test.holm_p));
         add.words("The line is", |test| test.outcome().to_string());
     });
-    table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise; not tested: too few patients for any significant difference. With tilt: both know the tilt of the top vertebra. Without it the estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
+    table.note = format!(
+        "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise; not tested: too few patients ({}). With tilt: both know the tilt of the top vertebra. Without it the estimated line takes two numbers more from each film, so its comparison is not fair.",
+        enough_words(cohort.baselines.family())
+    );
     table
 }

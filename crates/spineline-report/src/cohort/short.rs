@@ -2,7 +2,7 @@
 
 use spineline::analysis::FilmRole;
 use spineline::cohort::{
-    BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
+    BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison, enough_words,
 };
 use spineline::evaluate::statistics::Resampling;
 use spineline::warning::counted;
@@ -10,9 +10,6 @@ use spineline::warning::counted;
 use super::by_patient::{PatientRow, outcomes};
 use crate::document::{Section, Table};
 use crate::phrases::{difference_words, holm_p};
-
-/// Before a test that no difference of as many patients can pass.
-const TOO_FEW: &str = "Too few patients to test";
 
 /// Patients in the table of a terminal.
 const MOST_PATIENTS: usize = 20;
@@ -77,7 +74,7 @@ fn sure(cohort: &Cohort) -> String {
         .collect();
     let lines = match (compared.is_empty(), better.is_empty()) {
         (true, _) => "No two lines with equally many numbers from each film are tested on films that were not fitted.".to_owned(),
-        (false, true) if compared.iter().all(|test| test.holm_p.is_none()) => format!("{TOO_FEW} which line predicts better."),
+        (false, true) if compared.iter().all(|test| test.holm_p.is_none()) => too_few("which line predicts better", cohort.compared.family()),
         (false, true) => "Lines with equally many numbers from each film do not differ significantly on films that were not fitted.".to_owned(),
         (false, false) => format!("With equally many numbers from each film, {}.", better.join("; ")),
     };
@@ -91,7 +88,8 @@ fn sure(cohort: &Cohort) -> String {
     let baselines = match (against.is_empty(), better.is_empty()) {
         (true, _) => String::new(),
         (false, true) if against.iter().all(|test| test.holm_p.is_none()) => {
-            format!(" {TOO_FEW} lines against predictions without mechanics.")
+            let family = cohort.baselines.family();
+            format!(" {}", too_few("lines against predictions without mechanics", family))
         }
         (false, true) => {
             " No line is significantly better than the best prediction without mechanics from as many numbers."
@@ -102,6 +100,11 @@ fn sure(cohort: &Cohort) -> String {
         }
     };
     format!("{lines}{baselines}")
+}
+
+/// A question that no difference of as many patients can answer in a family of so many tests.
+fn too_few(question: &str, tests: usize) -> String {
+    format!("Too few patients to test {question}: {}.", enough_words(tests))
 }
 
 /// The tests of every line against the best predictions without mechanics on films of this role, without and with the tilt of the top.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Display;
 
-use super::comparison::{ComparisonOutcome, corrected_by_holm};
+use super::comparison::{ComparisonOutcome, corrected_by_holm, enough_words};
 use super::others::Seen;
 use super::patient::CohortPatient;
 use super::patients::Patients;
@@ -127,6 +127,12 @@ impl BaselinesOverPatients {
         same.min_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()))
     }
 
+    /// Tests of lines in the family that Holm's correction is over.
+    #[must_use]
+    pub fn family(&self) -> usize {
+        self.tests.iter().filter(|test| test.comparison.is_compared()).count()
+    }
+
     /// The tests of every line against this prediction.
     pub fn tests_against(&self, best: &PredictionErrors) -> impl Iterator<Item = &BaselineTest> {
         let of_best = |test: &&BaselineTest| (test.role, test.baseline) == (best.role, best.by);
@@ -236,7 +242,11 @@ impl BaselinesOverPatients {
             let is_tested = self.tests_against(best).any(|test| test.holm_p.is_some());
             let mut tests = self.tests_against(best);
             if !is_tested && tests.any(|test| test.comparison.is_compared()) {
-                all.push(format!("Too few patients to test the lines against {}.", best.by));
+                all.push(format!(
+                    "Too few patients to test the lines against {}: {}.",
+                    best.by,
+                    enough_words(self.family())
+                ));
             } else if is_tested && !tests.any(|test| test.is_fair() && test.is_better()) {
                 all.push(format!(
                     "No line with one number from each film predicts them significantly better than {}: these films are not evidence that a prediction needs mechanics.",

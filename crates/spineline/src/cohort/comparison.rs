@@ -1,7 +1,10 @@
 use crate::anatomy::named;
-use crate::evaluate::paired::{EffectSize, SignFlip, effect_size, holm, sign_flip};
+use crate::evaluate::paired::{
+    EXACT_UP_TO, EffectSize, SignFlip, effect_size, holm, least_p, sign_flip,
+};
 use crate::evaluate::statistics::{PairedT, Summary};
 use crate::personalize::{SIGNIFICANCE, TestOutcome};
+use crate::warning::counted;
 
 named! {
     /// Outcome of a comparison of errors for the first model against the second. All outputs use these words.
@@ -88,9 +91,24 @@ impl PairedComparison {
 pub(super) fn corrected_by_holm(family: &[PairedComparison]) -> Vec<Option<f64>> {
     let tests: Vec<SignFlip> = family.iter().filter_map(|one| one.sign_flip).collect();
     let adjusted = |p: fn(&SignFlip) -> f64| holm(&tests.iter().map(p).collect::<Vec<f64>>());
-    let found = adjusted(|test| test.p_two_sided).into_iter().zip(adjusted(SignFlip::least_p));
+    let found = adjusted(|test| test.p_two_sided).into_iter().zip(adjusted(|test| least_p(test.n)));
     let mut found = found.map(|(p, least)| (least < SIGNIFICANCE).then_some(p));
     family.iter().map(|one| one.sign_flip.and_then(|_| found.next().flatten())).collect()
+}
+
+/// The number of patients that are enough for a significant difference in a family of so many tests, in words.
+///
+/// # Definition
+/// The smallest `n` whose least sign-flip probability, `2 / 2^n`, times the number of tests is below [`SIGNIFICANCE`]. Tests of at least `n`
+/// patients are tested, whatever the number of patients of the others.
+#[must_use]
+pub fn enough_words(tests: usize) -> String {
+    let family = counted(tests, "test");
+    let is_enough = |&n: &usize| tests as f64 * least_p(n) < SIGNIFICANCE;
+    (2..=EXACT_UP_TO).find(is_enough).map_or_else(
+        || format!("no number of patients is enough for {family}"),
+        |n| format!("from {n} patients on a difference can be significant, by Holm's correction over {family}"),
+    )
 }
 
 #[cfg(test)]
@@ -117,6 +135,9 @@ mod tests {
         let family = |patients: usize| vec![comparison(&vec![1.0; patients]); 18];
         assert!(corrected_by_holm(&family(9)).iter().all(Option::is_none));
         assert_eq!(corrected_by_holm(&family(10)), [Some(18.0 / 512.0); 18]);
+        assert!(enough_words(18).starts_with("from 10 patients on "), "{}", enough_words(18));
+        // One test needs six patients: 2/32 is above 0.05.
+        assert!(enough_words(1).starts_with("from 6 patients on "), "{}", enough_words(1));
         // Without a difference the p value is 1, which is a result.
         let mut mixed = family(10);
         mixed[3] = comparison(&[0.0; 10]);

@@ -3,6 +3,7 @@
 use super::films::{chains_sentence, doubted_sentence};
 use super::{
     Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, PairedComparison, RoleErrors,
+    enough_words,
 };
 use crate::analysis::{FilmRole, Ranking, listed};
 use crate::evaluate::statistics::PairedT;
@@ -98,7 +99,8 @@ impl LinesOverPatients {
         let differences: Vec<String> = too_few.map(difference).collect();
         if !differences.is_empty() {
             all.push(format!(
-                "Too few patients for any p to be significant after the correction; the differences, without statistical evidence: {}.",
+                "Too few patients for any p to be significant ({}); the differences, without statistical evidence: {}.",
+                enough_words(family),
                 differences.join("; ")
             ));
         }
@@ -251,7 +253,7 @@ impl PairedComparison {
     #[must_use]
     pub fn patient_words(&self, unit: &str) -> String {
         let Some(test) = self.sign_flip else {
-            return "too few patients to test".to_owned();
+            return "fewer than two patients, not tested".to_owned();
         };
         let spread = self.bootstrap.map_or_else(String::new, |ends| {
             format!(", 95 % {} by bootstrap over patients", interval(ends, 3))

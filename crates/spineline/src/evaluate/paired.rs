@@ -29,11 +29,9 @@ pub struct SignFlip {
     pub exact: bool,
 }
 
-impl SignFlip {
-    /// The least probability that a test of as many patients can have.
-    pub(crate) fn least_p(&self) -> f64 {
-        if self.exact { 2.0_f64.powi(1 - self.n as i32) } else { 1.0 / f64::from(1 + DRAWN) }
-    }
+/// The least probability that a sign-flip test of `n` patients can have.
+pub(crate) fn least_p(n: usize) -> f64 {
+    if n <= EXACT_UP_TO { 2.0_f64.powi(1 - n as i32) } else { 1.0 / f64::from(1 + DRAWN) }
 }
 
 /// Sign-flip test of some differences, one per patient; `None` for fewer than two.
