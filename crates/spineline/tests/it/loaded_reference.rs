@@ -1,4 +1,4 @@
-//! Erect films on which the springs carry the weight of the trunk.
+//! Erect films on which the springs carry the weight of the trunk, and predictions with the tilt of T2 of films by the general solver.
 
 use std::collections::BTreeMap;
 
@@ -7,6 +7,8 @@ use spineline::analysis::{
     Analysis, AnalysisOptions, Case, FilmPredictor, FilmRole, Reference, analyze, analyze_movement,
 };
 use spineline::anatomy::{ImageSide, Level, Levels, Posture, trunk_weight_shares};
+use spineline::evaluate::{FilmShape, RotationPrior};
+use spineline::hypothesis::{Hypothesis, LoadShape, Role};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, FilmLengthRule, ImageGeometry, Reading, ReadingId, Spacing,
     SpacingPlane, VertebraLandmarks,
@@ -20,7 +22,8 @@ use spineline::spatial::{Angle, Frontal, Mat3, Pixel, Vec3};
 use spineline::warning::WarningCode;
 
 use crate::common::chain::{dead, proportional};
-use crate::common::{case_of, graph_film, spine};
+use crate::common::{case_of, graph_film, other_side, spine};
+use crate::properties::mirror_image;
 
 /// Springs alone hold no heavier trunk: a patient's muscles do.
 const BODY_MASS_KG: f64 = 12.0;
@@ -37,6 +40,13 @@ const PULLS: [Pull; 4] = [
 impl Pull {
     fn line(&self) -> LineOfAction {
         LineOfAction::leaning(self.1, self.2)
+    }
+
+    fn load(&self) -> Vec<LoadItem> {
+        let line = self.line();
+        let in_space = |v: Frontal| Vec3::new(0.0, v.y_mm, v.z_mm);
+        let (force_n, point_mm) = (in_space(line.direction) * self.3, in_space(line.point));
+        vec![proportional(14, BodyLoad::ForceOnLine { force_n, point_mm })]
     }
 }
 
@@ -94,21 +104,25 @@ fn film(posture: Posture, shape: &Deformed, base_tilt: Angle) -> Film {
     Film::new(posture, landmarks)
 }
 
+/// Tilt of L4 on all films.
+const BASE_TILT: Angle = Angle::from_deg(3.0);
+
 /// A spine that stands under its weight on the erect film, and lies under a force on T2 on every other film.
 fn case(subject: usize) -> Case {
+    let weight = at_midpoints(&weights_n(Levels::COMPLETE, BASE_TILT));
+    case_under(subject, weight, PULLS.map(|pull| (pull.0, pull.load())))
+}
+
+/// A spine under some loads on the erect film, and under others on other films.
+fn case_under<const N: usize>(
+    subject: usize,
+    erect: Vec<LoadItem>,
+    others: [(Posture, Vec<LoadItem>); N],
+) -> Case {
     let model = spine(subject).1;
-    let base_tilt = Angle::from_deg(3.0);
-    let standing = shape(&model, at_midpoints(&weights_n(Levels::COMPLETE, base_tilt)));
-    let pulled = |pull: &Pull| {
-        let line = pull.line();
-        let in_space = |v: Frontal| Vec3::new(0.0, v.y_mm, v.z_mm);
-        let (force_n, point_mm) = (in_space(line.direction) * pull.3, in_space(line.point));
-        let load = BodyLoad::ForceOnLine { force_n, point_mm };
-        film(pull.0, &shape(&model, vec![proportional(14, load)]), base_tilt)
-    };
-    let films = [film(Posture::Erect, &standing, base_tilt)];
-    let films = films.into_iter().chain(PULLS.iter().map(pulled)).collect();
-    Case { synthetic: true, ..Case::of_films("stands", films) }
+    let films = [(Posture::Erect, erect)].into_iter().chain(others);
+    let films = films.map(|(posture, items)| film(posture, &shape(&model, items), BASE_TILT));
+    Case { synthetic: true, ..Case::of_films("stands", films.collect()) }
 }
 
 fn options(reference: Reference) -> AnalysisOptions {
@@ -131,7 +145,7 @@ fn analysed(subject: usize, reference: Reference) -> Analysis {
 fn a_spine_that_carries_a_load_stands_still_under_it() {
     let movement = analyze_movement(&case(4), &options(LOADED)).expect("a sound case").movement;
     let model = movement.spine_of_films();
-    let weights = weights_n(movement.levels(), Angle::from_deg(3.0));
+    let weights = weights_n(movement.levels(), BASE_TILT);
     let turned = shape(model, at_midpoints(&weights)).largest_hinge_rad();
     assert!(turned < 1e-9, "{turned:e} rad");
     let free = shape(model, Vec::new()).largest_hinge_rad();
@@ -219,4 +233,76 @@ fn weight_takes_a_vertical_with_a_warning_and_no_known_force() {
     let analysis = analyze(&placed, &options(LOADED)).expect("a sound case");
     let has = |code| analysis.warnings.all().iter().any(|warning| warning.code == code);
     assert!(has(WarningCode::VerticalAssumed));
+}
+
+/// Shapes with the tilt of T2: by a given line on all films that it predicts, by other loads on the bends.
+fn with_tilt(case: &Case, options: &AnalysisOptions) -> Vec<FilmShape> {
+    let analysis = analyze(case, options).expect("a sound case");
+    let compared = analysis.comparison();
+    let by = FilmPredictor::LineWithTilt(LineKind::Given);
+    let by_line = compared.films.iter().filter_map(|film| compared.shape(film, by));
+    let by_load = analysis.hypotheses.iter().flat_map(|fit| &fit.predictions);
+    let by_load = by_load.filter(|found| found.role == Role::LeftOutWithTilt);
+    by_line.chain(by_load.map(|found| &found.shape)).cloned().collect()
+}
+
+/// Forces to the patient's left on all vertebrae, each for its part of the length of the spine.
+fn spread(subject: usize, force_n: f64) -> Vec<LoadItem> {
+    let erect = spine(subject).0;
+    let links = erect.vertebrae.windows(2);
+    let links: Vec<f64> = links.map(|two| two[0].location.distance_mm(two[1].location)).collect();
+    let part = |i: usize| {
+        let below = if i == 0 { links[0] } else { 0.5 * links[i] };
+        let above = links.get(i + 1).map_or(0.0, |link| 0.5 * link);
+        (below + above) / links.iter().sum::<f64>()
+    };
+    at_midpoints(&(0..14).map(|i| Vec3::y() * (force_n * part(i))).collect::<Vec<_>>())
+}
+
+#[test]
+fn predictions_with_the_tilt_of_the_top_meet_the_films_and_mirror_with_the_patient() {
+    // Oracle: the general solver, and that left and right are names only.
+    const NEAR_MM: f64 = 1.0;
+    const MIRRORED_MM: f64 = 1e-3;
+    let published = RotationPrior::published(Levels::COMPLETE);
+    let covariance = published.covariance_rad2().clone();
+    let mean = vec![Angle::from_deg(1.0); 14];
+    let to_the_right =
+        RotationPrior::new(Levels::COMPLETE, mean, covariance, published.source()).expect("sound");
+    let rotation_prior = Some(to_the_right.with_erect_coefficient(-0.4));
+    let unloaded = || options(Reference::Unloaded);
+    let pulled = || case_under(4, Vec::new(), PULLS.map(|pull| (pull.0, pull.load())));
+    let bends = [(Posture::LeftBending, 30.0), (Posture::RightBending, -30.0)];
+    let spread = case_under(4, Vec::new(), bends.map(|(bend, force_n)| (bend, spread(4, force_n))));
+    let hypotheses = vec![Hypothesis::of(LoadShape::Lateral)];
+    let of_load = AnalysisOptions { hypotheses, given_lines: Vec::new(), ..unloaded() };
+    for (name, case, options, films) in [
+        ("given line", pulled(), unloaded(), 4),
+        ("given distribution", pulled(), AnalysisOptions { rotation_prior, ..unloaded() }, 4),
+        ("loaded reference", case(4), options(LOADED), 4),
+        ("distributed load", spread, of_load, 2),
+    ] {
+        let mirrored_line = |&(posture, line): &(Posture, LineOfAction)| {
+            let point = Frontal::new(-line.point.y_mm, line.point.z_mm);
+            (other_side(posture), LineOfAction::leaning(point, -line.lateral_tilt()))
+        };
+        let given_lines = options.given_lines.iter().map(mirrored_line).collect();
+        let image = case_of(case.films.iter().map(mirror_image).collect());
+        let mirrored = with_tilt(&image, &AnalysisOptions { given_lines, ..options.clone() });
+        let found = with_tilt(&case, &options);
+        assert_eq!([found.len(), mirrored.len()], [films; 2], "{name}");
+        for shape in &found {
+            let (mm, posture) = (shape.mean_location_error_mm(), shape.posture);
+            assert!(mm < NEAR_MM, "{name}, {posture}: {mm} mm");
+            let image = mirrored.iter().find(|image| image.posture == other_side(posture));
+            let image = image.expect("the same films");
+            for (a, b) in shape.locations.iter().zip(&image.locations) {
+                let off = a.distance_mm(Frontal::new(-b.y_mm, b.z_mm));
+                assert!(off < MIRRORED_MM, "{name}, {posture}: {off} mm");
+            }
+            for (a, b) in shape.location_errors_mm.iter().zip(&image.location_errors_mm) {
+                assert!((a - b).abs() < MIRRORED_MM, "{name}, {posture}: {a} and {b} mm");
+            }
+        }
+    }
 }
