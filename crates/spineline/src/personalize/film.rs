@@ -182,7 +182,9 @@ impl<'a, F: FilmUnderLoad> FilmData<'a, F> {
     }
 }
 
-/// A Ferguson angle counts in units of 1°: an assumption, and not the noise of the films.
+/// A Ferguson angle counts in units of 1°: an assumption, and not the noise of the films, which readings show by vertebra and not by angle.
+///
+/// The unit is common to all rows. It changes no fit without a prior, and intervals only where the fit leaves less than it.
 const FERGUSON_UNIT: Angle = Angle::from_deg(1.0);
 
 /// Where a film's rows stand in a system.
