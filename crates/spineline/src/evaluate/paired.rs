@@ -141,10 +141,11 @@ pub struct EffectSize {
 /// `t` would be the upper and the lower 2.5 % point.
 #[must_use]
 pub fn effect_size(differences: &[f64]) -> Option<EffectSize> {
-    let Summary { n, mean, sd } = Summary::of(differences);
-    if n < 2 || sd.is_nan() || sd <= 0.0 {
+    let summary = Summary::of(differences);
+    if !summary.has_spread() {
         return None;
     }
+    let Summary { n, mean, sd } = summary;
     let root = (n as f64).sqrt();
     let (d, distribution) = (mean / sd, NoncentralT::new(n - 1));
     let end = |tail: f64| noncentrality(d * root, &distribution, tail) / root;
@@ -360,7 +361,9 @@ mod tests {
         let half = 1.96 * (1.0 / 17.0 + 100.0 / 34.0_f64).sqrt();
         assert!((effect.interval[0] - (10.0 - half)).abs() < 0.4, "{effect:?}");
         assert!((effect.interval[1] - (10.0 + half)).abs() < 0.4, "{effect:?}");
-        assert_eq!(effect_size(&[1.0, 1.0]), None);
+        for alike in [[1.0, 1.0], [0.3 - 0.2, 0.4 - 0.3]] {
+            assert_eq!(effect_size(&alike), None, "{alike:?}");
+        }
     }
 
     #[test]

@@ -56,6 +56,11 @@ impl Summary {
         pooled.summary()
     }
 
+    /// Whether there are two values that differ by more than rounding.
+    pub(crate) fn has_spread(&self) -> bool {
+        self.n > 1 && self.sd > 1e-9 * self.mean.abs()
+    }
+
     /// Normal-theory 95 % interval of the mean, as if all values were independent.
     #[must_use]
     pub fn normal_interval(&self) -> [f64; 2] {
@@ -121,7 +126,7 @@ pub fn paired_t(a: &[f64], b: &[f64]) -> Option<PairedT> {
 impl PairedT {
     /// From the summary of the differences; `None` for fewer than two, or without any spread.
     pub(crate) fn of_differences(summary: Summary) -> Option<Self> {
-        if summary.n < 2 || summary.sd.is_nan() || summary.sd <= 0.0 {
+        if !summary.has_spread() {
             return None;
         }
         let freedom = (summary.n - 1) as f64;
@@ -234,7 +239,8 @@ impl Resampling {
         found
     }
 
-    /// The interval of a ratio of two means, from a pair of numbers per cluster. `None` also for samples of unequal length.
+    /// The interval of a ratio of two means, from a pair of numbers per cluster. `None` also for samples of unequal length, and where
+    /// the mean below is zero in too many resamples.
     #[must_use]
     pub fn ratio_interval(&self, above: &[f64], below: &[f64]) -> Option<[f64; 2]> {
         let n = above.len();
@@ -242,7 +248,8 @@ impl Resampling {
             return None;
         }
         let sums = self.sums(&[above, below], n);
-        Some(central_95(sums[0].iter().zip(&sums[1]).map(|(a, b)| a / b).collect()))
+        let ends = central_95(sums[0].iter().zip(&sums[1]).map(|(a, b)| a / b).collect());
+        ends.iter().all(|end| end.is_finite()).then_some(ends)
     }
 
     /// By sample of `n` means: the sum of those that each resample draws.
@@ -393,12 +400,15 @@ mod tests {
         // Normal theory: 1 ± 1.96 · 1 / √30.
         assert!((low - 0.642).abs() < 0.08 && (high - 1.358).abs() < 0.08);
         assert_eq!(few.ratio_interval(&above, &below[1..]), None);
+        assert_eq!(few.ratio_interval(&above, &[0.0; 30]), None);
     }
 
     #[test]
     fn samples_without_spread_have_no_test() {
         assert_eq!(paired_t(&[1.0, 2.0], &[0.0, 1.0]), None);
         assert_eq!(paired_t(&[1.0], &[0.0]), None);
+        // All differences are 0.1, to rounding.
+        assert_eq!(paired_t(&[0.3, 0.4, 0.9], &[0.2, 0.3, 0.8]), None);
         assert_eq!(box_summary(&[]), None);
     }
 
