@@ -238,8 +238,10 @@ impl Claims {
         let mut distances: Vec<f64> =
             patients.iter().flat_map(|p| p.distances_segments.iter().copied()).collect();
         distances.sort_by(f64::total_cmp);
-        let inflections = all(&|p| p.inflection_rotation_deg);
-        let means = all(&|p| p.mean_rotation_deg);
+        // Patients without an inflection line have a mean rotation alone.
+        let both =
+            patients.iter().filter_map(|p| p.inflection_rotation_deg.zip(p.mean_rotation_deg));
+        let (inflections, means): (Vec<f64>, Vec<f64>) = both.unzip();
         let rotations_deg = [&means, &inflections].map(|values| Summary::of(values).mean);
         let wins = |fitted: bool| {
             let win = |p: &PatientClaims| Some(f64::from(u8::from(p.advantage_mm(fitted)? > 0.0)));
@@ -318,7 +320,8 @@ mod tests {
         let patients = [
             patient(&[0.0, 3.0], [0.1, 0.01], [1.0, 2.0]),
             patient(&[1.0, 2.0], [0.3, 0.03], [4.0, 1.0]),
-            PatientClaims { order: 8.0, ..PatientClaims::default() },
+            // Without an inflection line, whose mean rotation has no part in the ratio.
+            PatientClaims { order: 8.0, mean_rotation_deg: Some(9.0), ..PatientClaims::default() },
         ];
         let claims = Claims::of(&patients, 1);
         assert_eq!((claims.patients, claims.near.n, claims.better.n), (3, 2, 2));
