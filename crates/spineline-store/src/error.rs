@@ -276,7 +276,7 @@ spineline::faults! {
         },
         /// A change in an archived study.
         #[error("study {study} is archived: nothing in it can be changed")]
-        #[help("restore the study first: *Edit this study…* does it")]
+        #[help("restore the study first: *Edit this study…* does it, or `spineline study archive --undo`")]
         Archived {
             /// Study.
             study: Name,

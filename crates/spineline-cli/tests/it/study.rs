@@ -58,6 +58,46 @@ fn a_store_verification_reports_edits() {
 }
 
 #[test]
+fn readings_are_withdrawn_and_corrected_and_a_study_is_renamed_and_archived() {
+    let (here, study) = (store(), "phantom-rod-01");
+    let listed = || here.done(&["study", "list", "s.db", study]);
+    let state = |reading: &str| {
+        let listed = listed();
+        let row = listed.lines().find(|row| row.split_whitespace().next() == Some(reading));
+        row.map(|row| row.trim_end().to_owned()).expect(reading)
+    };
+    assert!(state("1").contains("erect") && state("1").ends_with("finished"), "{}", listed());
+    let error = here.refused(&["study", "correct", "s.db", "1", "--by", "other"], 3);
+    assert!(error.contains("another observer") && error.contains("`--by`"), "{error}");
+    let out = here.done(&["study", "correct", "s.db", "1", "--by", "A"]);
+    assert!(out.contains("Reading 6 is a copy of reading 1"), "{out}");
+    assert!(state("6").ends_with("open, corrects 1"), "{}", listed());
+    let withdraw = |reason| ["study", "withdraw", "s.db", "2", "--reason", reason, "--by", "lead"];
+    assert!(here.refused(&withdraw(" "), 3).contains("has no reason"));
+    here.done(&withdraw("T6 lies on T7"));
+    assert!(state("2").ends_with("withdrawn"), "{}", listed());
+    let (_, notes, _) = here.run(&["study", "export", "s.db", study]);
+    assert!(notes.contains("withdrawn by lead") && notes.contains("T6 lies on T7"), "{notes}");
+
+    here.done(&["study", "rename", "s.db", study, "before brace"]);
+    here.done(&["study", "archive", "s.db", study]);
+    assert!(here.done(&["study", "list", "s.db"]).contains("(synthetic, archived)"));
+    let error = here.refused(&["study", "rename", "s.db", study, ""], 3);
+    assert!(error.contains("archived") && error.contains("archive --undo"), "{error}");
+    here.done(&["study", "archive", "s.db", study, "--undo"]);
+    here.done(&["study", "rename", "s.db", study, ""]);
+    let label = Store::view(&here.path("s.db")).and_then(|store| {
+        let study = Name::new(study)?;
+        store.study(&study)
+    });
+    assert_eq!(label.expect("a study").label, None);
+    let log = here.done(&["study", "log", "s.db"]);
+    for action in ["correct", "withdraw", "rename", "archive", "unarchive"] {
+        assert!(log.split_whitespace().any(|word| word == action), "{action}: {log}");
+    }
+}
+
+#[test]
 fn texts_about_a_store_fit_a_terminal_and_a_store_is_not_a_case() {
     let here = store();
     for command in ["list", "verify"] {

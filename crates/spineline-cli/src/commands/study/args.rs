@@ -15,6 +15,11 @@ Examples:
   spineline study plan clinic.spineline P07 --observers A,B --repeats 3 --washout-days 14
   spineline study next clinic.spineline P07 --observer A
   spineline study release clinic.spineline P07 --by lead
+  spineline study list clinic.spineline P07
+  spineline study withdraw clinic.spineline 12 --reason \"T6 lies on T7\" --by lead
+  spineline study correct clinic.spineline 12 --by A
+  spineline study rename clinic.spineline P07 \"before brace\"
+  spineline study archive clinic.spineline P07
   spineline study export clinic.spineline P07 --out p07-read.json
   spineline study verify clinic.spineline
   spineline study backup clinic.spineline clinic-2026-11-21.spineline
@@ -47,10 +52,13 @@ pub enum StudyCommand {
         #[arg(long)]
         accept: bool,
     },
-    /// List the films and readings of a store
+    /// List the films of a store, or the readings of one study with their numbers
     List {
         /// File of the store
         store: PathBuf,
+        /// Identifier of the study whose readings are listed
+        #[arg(value_name = "CASE_ID")]
+        study: Option<String>,
     },
     /// Plan blinded readings: every observer reads every film repeatedly, in random order, with a washout period
     Plan {
@@ -90,6 +98,46 @@ pub enum StudyCommand {
         /// Identifier of the study
         #[arg(value_name = "CASE_ID")]
         study: String,
+    },
+    /// Withdraw a reading: the store keeps it, and results leave it out
+    Withdraw {
+        /// File of the store
+        store: PathBuf,
+        /// Number of the reading, as `list STORE CASE_ID` prints it
+        reading: i64,
+        /// Why; it stays with the reading
+        #[arg(long, value_name = "TEXT")]
+        reason: String,
+    },
+    /// Copy a finished reading for a correction; `--by` is its observer, who changes and finishes the copy in the browser
+    ///
+    /// When the copy is finished, it replaces the reading.
+    Correct {
+        /// File of the store
+        store: PathBuf,
+        /// Number of the reading, as `list STORE CASE_ID` prints it
+        reading: i64,
+    },
+    /// Give a study another label; its identifier stays
+    Rename {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study
+        #[arg(value_name = "CASE_ID")]
+        study: String,
+        /// The label, without the patient's name; "" removes it
+        label: String,
+    },
+    /// Archive a study: it can be read, and not changed
+    Archive {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study
+        #[arg(value_name = "CASE_ID")]
+        study: String,
+        /// Take an archived study back
+        #[arg(long)]
+        undo: bool,
     },
     /// Write a study with its finished readings as a case file
     Export {
@@ -143,10 +191,14 @@ impl StudyCommand {
         match self {
             Self::Create { store }
             | Self::Add { store, .. }
-            | Self::List { store }
+            | Self::List { store, .. }
             | Self::Plan { store, .. }
             | Self::Next { store, .. }
             | Self::Release { store, .. }
+            | Self::Withdraw { store, .. }
+            | Self::Correct { store, .. }
+            | Self::Rename { store, .. }
+            | Self::Archive { store, .. }
             | Self::Export { store, .. }
             | Self::Log { store }
             | Self::Verify { store, .. }

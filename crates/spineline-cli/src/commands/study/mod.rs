@@ -1,6 +1,7 @@
 //! `spineline study`: the study store, from the command line.
 
 mod args;
+mod edits;
 
 pub use args::{EXAMPLES, StudyArgs};
 
@@ -13,7 +14,7 @@ use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
 use spineline_store::{
     FilmRecord, Head, Name, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError,
-    Timestamp, Verification, system_random,
+    StudyEdit, Timestamp, Verification, system_random,
 };
 
 use args::StudyCommand;
@@ -42,7 +43,10 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             }
             Ok(Ending::Done)
         }
-        StudyCommand::List { .. } => print(Lines::of_text(&list(&view(path)?).map_err(fail)?)),
+        StudyCommand::List { study: None, .. } => {
+            print(Lines::of_text(&list(&view(path)?).map_err(fail)?))
+        }
+        StudyCommand::List { study: Some(study), .. } => edits::list_readings(path, study),
         StudyCommand::Plan { study, observers, repeats, washout_days, proposals, .. } => {
             let (repeats, washout_days) = (*repeats, *washout_days);
             let design = PlanDesign { repeats, washout_days, proposals: *proposals };
@@ -50,6 +54,16 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         }
         StudyCommand::Next { study, observer, .. } => next(path, study, observer),
         StudyCommand::Release { study, .. } => release(path, study, &by()?),
+        StudyCommand::Withdraw { reading, reason, .. } => {
+            edits::withdraw(path, *reading, reason, &by()?)
+        }
+        StudyCommand::Correct { reading, .. } => edits::correct(path, *reading, &by()?),
+        StudyCommand::Rename { study, label, .. } => {
+            edits::edit(path, study, &StudyEdit::Label { label: Some(label.clone()) }, &by()?)
+        }
+        StudyCommand::Archive { study, undo, .. } => {
+            edits::edit(path, study, &StudyEdit::Archived { archived: !undo }, &by()?)
+        }
         StudyCommand::Export { study, out, overwrite, .. } => {
             export(path, study, out, Outputs::new(*overwrite, [path]))
         }

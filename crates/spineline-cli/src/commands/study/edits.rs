@@ -1,0 +1,91 @@
+//! Withdrawn and corrected readings, and studies that are renamed or archived.
+
+use std::path::Path;
+
+use spineline_report::document::Table;
+use spineline_report::terminal::{self, Lines};
+use spineline_store::{
+    Name, ReadingId, ReadingRecord, Signature, Store, StoreError, StudyEdit, WithdrawalCause,
+};
+
+use super::view;
+use crate::options::values::store_name;
+use crate::run::failure::{Ending, Failure};
+use crate::run::outputs::{print, width};
+
+pub fn list_readings(path: &Path, study: &str) -> Result<Ending, Failure> {
+    let table = table(&view(path)?, &store_name(study)?);
+    let table = table.map_err(|error| Failure::store(path, &error))?;
+    print(Lines::of_text(&terminal::table(&table, width())))
+}
+
+pub fn withdraw(
+    path: &Path,
+    reading: i64,
+    reason: &str,
+    by: &Signature,
+) -> Result<Ending, Failure> {
+    let store = Store::open(path);
+    let done = store.and_then(|mut s| s.withdraw_reading(ReadingId(reading), reason, by));
+    done.map_err(|error| Failure::store(path, &error))?;
+    print(format!("Reading {reading} is withdrawn."))
+}
+
+pub fn correct(path: &Path, reading: i64, by: &Signature) -> Result<Ending, Failure> {
+    let store = Store::open(path);
+    let copy = store.and_then(|mut store| store.correct_reading(ReadingId(reading), by));
+    let copy = copy.map_err(|error| match error {
+        StoreError::NotYours { .. } => {
+            Failure::store(path, &error).with_line("`--by` must be the observer of the reading")
+        }
+        _ => Failure::store(path, &error),
+    });
+    let copy = copy?.0;
+    print(format!(
+        "Reading {copy} is a copy of reading {reading}, and replaces it when {} finishes it in the browser.",
+        by.who
+    ))
+}
+
+pub fn edit(path: &Path, study: &str, edit: &StudyEdit, by: &Signature) -> Result<Ending, Failure> {
+    let study = store_name(study)?;
+    let edited = Store::open(path).and_then(|mut store| {
+        let revision = store.study(&study)?.revision;
+        store.edit_study(&study, edit, revision, by)
+    });
+    edited.map_err(|error| Failure::store(path, &error))?;
+    let done = match edit {
+        StudyEdit::Label { .. } => "has its new label",
+        StudyEdit::Archived { archived: true } => "is archived",
+        StudyEdit::Archived { archived: false } => "is back from the archive",
+    };
+    print(format!("Study {study} {done}."))
+}
+
+fn table(store: &Store, study: &Name) -> Result<Table, StoreError> {
+    let films = store.films(study)?;
+    let film = |reading: &ReadingRecord| {
+        let film = films.iter().find(|film| film.id == reading.film);
+        film.map_or_else(String::new, |film| film.view.to_string())
+    };
+    Ok(Table::of("", store.readings(study)?, |add| {
+        add.numbers("Reading", |reading| reading.id.0.to_string());
+        add.words("Film", film);
+        add.words("Observer", |reading| reading.observer.to_string());
+        add.numbers("Repeat", |reading| reading.repeat.to_string());
+        add.words("State", state);
+    }))
+}
+
+fn state(reading: &ReadingRecord) -> String {
+    let state = match reading.withdrawn.as_ref().map(|withdrawal| &withdrawal.cause) {
+        Some(WithdrawalCause::Reason(_)) => "withdrawn".to_owned(),
+        Some(WithdrawalCause::CorrectedBy(copy)) => format!("replaced by {}", copy.0),
+        None if reading.finished_at.is_some() => "finished".to_owned(),
+        None => "open".to_owned(),
+    };
+    match reading.corrects {
+        Some(corrected) => format!("{state}, corrects {}", corrected.0),
+        None => state,
+    }
+}
