@@ -38,6 +38,14 @@ pub enum MarkingFault {
         /// Vertebrae marked.
         count: usize,
     },
+    /// The spine runs down the picture, with the sides exchanged in every vertebra.
+    #[error(
+        "in all {count} vertebrae the superior corners lie below the inferior ones and the sides are exchanged, so the film is upside down, or its file counts rows from the bottom: correct this and add the film again"
+    )]
+    RowsFromBottom {
+        /// Vertebrae marked.
+        count: usize,
+    },
     /// A vertebra lies at or below the next lower one.
     #[error("{}", out_of_order_words(*inferior, *superior, *share))]
     OutOfOrder {
@@ -107,6 +115,7 @@ impl MarkingFault {
             Self::Corners { fault: CornerFault::Flat, .. } => "corners_flat",
             Self::NotConvex { .. } => "corners_not_convex",
             Self::Mirrored { .. } => "film_mirrored",
+            Self::RowsFromBottom { .. } => "rows_from_bottom",
             Self::OutOfOrder { .. } => "out_of_order",
             Self::Distance { .. } => "spacing_unusual",
             Self::Width { .. } => "width_unusual",
@@ -129,7 +138,10 @@ impl MarkingFault {
             | Self::Far { level, .. }
             | Self::OutOfOrder { superior: level, .. }
             | Self::Distance { superior: level, .. } => Some(level),
-            Self::Mirrored { .. } | Self::CrestOffPicture { .. } | Self::CrestsExchanged => None,
+            Self::Mirrored { .. }
+            | Self::RowsFromBottom { .. }
+            | Self::CrestOffPicture { .. }
+            | Self::CrestsExchanged => None,
         }
     }
 

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 
 use spineline::anatomy::{Level, Side};
 use spineline::measure::{
-    CornerFault, Corners, IliacCrests, ImageGeometry, LevelStep, Origin, Placement,
+    CornerFault, Corners, IliacCrests, ImageGeometry, LevelStep, Origin, Placement, cranial_of,
+    runs_down,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 
@@ -145,7 +146,11 @@ impl PartialReading {
         };
         let count = faults.iter().filter(|fault| exchanged(fault)).count();
         if count > 1 && bodies.is_empty() && count == self.vertebrae.len() {
-            faults = vec![MarkingFault::Mirrored { count }];
+            faults = vec![if runs_down(cranial) {
+                MarkingFault::RowsFromBottom { count }
+            } else {
+                MarkingFault::Mirrored { count }
+            }];
         }
         faults.extend(order_faults(image, &bodies));
         faults.extend(self.unlike_faults(image, &bodies));
@@ -197,18 +202,8 @@ impl PartialReading {
 
     /// A direction towards the head: the sum of the steps between the centres of the bodies.
     fn cranial(&self, image: &ImageGeometry) -> Frontal {
-        let centres: Vec<Frontal> = self
-            .vertebrae
-            .values()
-            .filter_map(|landmark| {
-                let [a, b, c, d] = landmark.complete()?.map(|p| image.frontal(p)).points();
-                Some((a + b + c + d) * 0.25)
-            })
-            .collect();
-        let sum = centres.windows(2).fold(Frontal::default(), |sum, pair| {
-            let step = pair[1] - pair[0];
-            sum + step * (1.0 / step.norm_mm().max(f64::MIN_POSITIVE))
-        });
+        let bodies = self.vertebrae.values().filter_map(PartialLandmarks::complete);
+        let sum = cranial_of(bodies.map(|body| body.map(|place| image.frontal(place)).centre()));
         if sum.norm_mm() > 0.5 { sum } else { Frontal::new(0.0, 1.0) }
     }
 

@@ -195,6 +195,21 @@ fn swapped_corners_are_detected_with_three_and_four_corners() {
 }
 
 #[test]
+fn rows_that_count_from_the_bottom_do_not_blame_the_side() {
+    let count = Level::MODEL.len();
+    for film in &phantom(0).films {
+        let image = film.image;
+        let flip = |p: Pixel| Pixel::new(p.column_px, f64::from(image.rows - 1) - p.row_px);
+        let flipped = film.vertebrae.iter().map(|(&level, c)| (level, c.map(flip))).collect();
+        let faults = marked(&flipped, &Level::MODEL).faults(&image);
+        assert_eq!(faults, [MarkingFault::RowsFromBottom { count }]);
+        let other = ImageGeometry { patient_left: image.patient_left.opposite(), ..image };
+        let faults = marked(&film.vertebrae, &Level::MODEL).faults(&other);
+        assert_eq!(faults, [MarkingFault::Mirrored { count }]);
+    }
+}
+
+#[test]
 fn vertebrae_with_swapped_names_are_out_of_order() {
     let film = &phantom(0).films[0];
     let mut vertebrae = film.vertebrae.clone();

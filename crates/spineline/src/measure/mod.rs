@@ -80,6 +80,7 @@ pub use origin::{Origin, VertebraOrigin};
 pub use outline::{AmplitudeEnds, Interpolation, MeasuredVertebra, Outline, SharedErrors};
 pub(crate) use outline_noise::OutlineNoise;
 pub(crate) use pedicles::axial_rotations;
+pub use placing::{cranial_of, runs_down};
 pub use plausibility::{judge_landmarks, judge_reading};
 pub(crate) use plausibility::{same_landmarks, warn_of_implausible_landmarks};
 pub(crate) use program_corners::ProgramCorners;

@@ -197,8 +197,9 @@ pub(super) fn in_all(
 }
 
 /// Where cranial is on a film, which may be held in any pose: the sum of the steps between the midpoints of the bodies, caudal first,
-/// each of length 1. A single misplaced body does not turn it.
-pub(super) fn cranial_of(midpoints: impl Iterator<Item = Frontal>) -> Frontal {
+/// each of length 1, in the film's frontal frame. A single misplaced body does not turn it.
+#[must_use]
+pub fn cranial_of(midpoints: impl Iterator<Item = Frontal>) -> Frontal {
     let midpoints: Vec<Frontal> = midpoints.collect();
     midpoints.windows(2).fold(Frontal::default(), |sum, pair| {
         let step = pair[1] - pair[0];
@@ -206,8 +207,9 @@ pub(super) fn cranial_of(midpoints: impl Iterator<Item = Frontal>) -> Frontal {
     })
 }
 
-/// Whether a spine runs from the top of the picture to its bottom.
-pub(super) fn runs_down(cranial: Frontal) -> bool {
+/// Whether a spine runs from the top of the picture to its bottom, by its direction from [`cranial_of`].
+#[must_use]
+pub fn runs_down(cranial: Frontal) -> bool {
     -cranial.z_mm > cranial.y_mm.abs()
 }
 
