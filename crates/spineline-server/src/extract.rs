@@ -9,7 +9,7 @@ use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 
 use crate::body_rate::TooSlow;
 use crate::problem::Failure;
@@ -30,8 +30,8 @@ impl<T: DeserializeOwned> FromRequest<AppState> for Json<T> {
     type Rejection = Failure;
 
     async fn from_request(request: Request, state: &AppState) -> Result<Self, Failure> {
-        let body = json_body(request, state).await?;
-        serde_json::from_slice(&body).map(Self).map_err(|error| bad(&error))
+        let JsonText(text) = JsonText::from_request(request, state).await?;
+        serde_json::from_str(&text).map(Self).map_err(|error| bad(&text, &error))
     }
 }
 
@@ -94,23 +94,17 @@ pub fn unread(refused: &BytesRejection) -> Failure {
 }
 
 /// Reports the place and not the content, because serde's messages quote keys and values.
-fn bad(error: &serde_json::Error) -> Failure {
-    use serde_json::error::Category;
+fn bad(text: &str, error: &serde_json::Error) -> Failure {
+    // `serde_json` takes more values than a list has, numbers beyond the largest one, and deep nesting for errors of syntax.
+    let is_json = error.is_data() || serde_json::from_str::<IgnoredAny>(text).is_ok();
+    let (status, code, what) = if is_json {
+        let what = "an unknown or missing key, or a value that does not fit";
+        (StatusCode::UNPROCESSABLE_ENTITY, "bad_request", what)
+    } else {
+        (StatusCode::BAD_REQUEST, "bad_json", "not JSON")
+    };
     let (line, column) = (error.line(), error.column());
-    match error.classify() {
-        Category::Data => Failure::new(
-            StatusCode::UNPROCESSABLE_ENTITY,
-            "bad_request",
-            format!(
-                "line {line}, column {column} of the body: an unknown or missing key, or a value of another kind"
-            ),
-        ),
-        Category::Io | Category::Syntax | Category::Eof => Failure::new(
-            StatusCode::BAD_REQUEST,
-            "bad_json",
-            format!("line {line}, column {column} of the body: not JSON"),
-        ),
-    }
+    Failure::new(status, code, format!("line {line}, column {column} of the body: {what}"))
 }
 
 /// Parts of the path. An invalid part is answered as not found.

@@ -66,6 +66,31 @@ fn an_invalid_body_is_refused_with_a_message() {
     assert_eq!(app.observer("A").get("/api/none").code(), "not_found");
 }
 
+/// `serde_json` takes too many values, too large a number, half a letter, and deep lists for errors of syntax.
+#[test]
+fn json_that_does_not_fit_is_not_called_broken() {
+    let app = App::with_token();
+    let observer = app.observer("A");
+    let turn = |level: &str, place: &str| {
+        format!(r#"{{"events":[],"turn_axis":{{"level":"{level}","towards_px":{place}}}}}"#)
+    };
+    let (deep, fits) = (["[".repeat(200), "]".repeat(200)].concat(), "[1,2]");
+    for (body, code) in [
+        (turn("T8", "[1,2,3]"), "bad_request"),
+        (turn("T8", "[1]"), "bad_request"),
+        (turn("T8", "[1e999,2]"), "bad_request"),
+        (turn("\\ud800", fits), "bad_request"),
+        (format!(r#"{{"events":{deep}}}"#), "bad_request"),
+        (turn("T8", "[1,2,]"), "bad_json"),
+        (turn("T8", fits) + "{}", "bad_json"),
+        (turn("T8", fits), "not_found"),
+    ] {
+        let path = "/api/readings/1/preview";
+        let answer = observer.send(Method::POST, path, "application/json", body.clone().into());
+        assert_eq!(answer.code(), code, "{body}");
+    }
+}
+
 fn assert_carries_headers(answer: &Answer, what: &str) {
     let policy = answer.header("content-security-policy");
     for part in ["default-src 'none'", "script-src 'self'", "frame-ancestors 'none'"] {
