@@ -154,27 +154,35 @@ export class StudyPage {
     await Promise.all([this.refresh(), this.marking?.reload()]);
   }
 
-  /** Changes the label of the study, or archives it. */
-  async edit(edit: Api<"StudyEditName">): Promise<void> {
-    const expected_revision = this.detail?.summary.revision ?? 0;
-    try {
-      this.detail = await editStudy(this.study, { expected_revision, edit });
-      // A restored study takes the changes that waited.
-      this.marking?.retry();
-    } catch (error) {
-      // After a refusal the shown record is outdated.
-      await this.refresh();
-      throw error;
-    }
+  /** Returns a function that changes the label of the study, or archives it, as the film's `editor` does. */
+  studyEditor(): (edit: Api<"StudyEditName">) => Promise<void> {
+    let expected_revision = this.detail?.summary.revision ?? 0;
+    return async (edit) => {
+      try {
+        this.detail = await editStudy(this.study, { expected_revision, edit });
+        expected_revision = this.detail.summary.revision;
+        // A restored study takes the changes that waited.
+        this.marking?.retry();
+      } catch (error) {
+        // After a refusal the shown record is outdated.
+        await this.refresh();
+        throw error;
+      }
+    };
   }
 
-  /** Returns a function that changes the film's current record; a change by another person in between takes precedence. */
+  /**
+   * Returns a function that changes the film's current record, also several times; a change by another person in
+   * between takes precedence.
+   */
   editor(): (edit: Api<"FilmEditName">) => Promise<void> {
     const seen = this.film;
+    let expected_revision = seen?.revision ?? 0;
     return async (edit) => {
       if (!seen) return;
       try {
-        const edited = await editFilm(seen.film, { expected_revision: seen.revision, edit });
+        const edited = await editFilm(seen.film, { expected_revision, edit });
+        expected_revision = edited.revision;
         if (edit.kind === "scale")
           this.changeNotice = movedText(seen, edited, this.marking?.reading.vertebrae ?? []);
       } finally {

@@ -1,5 +1,6 @@
 import { afterEach, expect, it, vi } from "vitest";
 
+import type { Api } from "../api/types";
 import { connection } from "../shell/connection.svelte";
 import { StudyPage } from "./page.svelte";
 import { reading } from "./reading.fixture";
@@ -29,6 +30,27 @@ it("loads the study and the reading again after a lost connection", async () => 
   expect(page.marking?.reading.notes).toEqual(["4"]);
   expect(page.marking?.revision).toBe(4);
   page.close();
+});
+
+it("never overwrites a study that another person changed after the dialog opened", async () => {
+  let revision = 3;
+  const expected: number[] = [];
+  vi.stubGlobal("fetch", async (request: Request) => {
+    if (request.method === "POST") {
+      const body = (await request.json()) as Api<"StudyChange">;
+      expected.push(body.expected_revision);
+      revision += 1;
+    }
+    return Response.json({ summary: { films: [], revision } });
+  });
+  const page = new StudyPage("S-1");
+  await page.refresh();
+  const edit = page.studyEditor();
+  revision = 8;
+  await page.refresh();
+  await edit({ kind: "label", label: "before brace" });
+  await edit({ kind: "archived", archived: true });
+  expect(expected, "as opened, then after the own change").toEqual([3, 9]);
 });
 
 it("waits for the program without a message, and shows what it refuses", async () => {
