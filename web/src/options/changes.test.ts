@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 
 import type { Api } from "../api/types";
-import { changesOf, draftOf } from "./changes";
+import { changesOf, draftOf, renewed } from "./changes";
 
 const option = (name: string, value: string): Api<"OptionView"> => ({
   name,
@@ -29,6 +29,15 @@ test("only new values are sent", () => {
   expect(changesOf(view, { ...draft, inflections: "L1,T6 " })).toEqual([
     { name: "inflections", value: "L1,T6" },
   ]);
+});
+
+test("after a conflict, a value that another person changed is not changed back", () => {
+  const draft = { ...draftOf(view), inflections: "L1,T6" };
+  const now = { ...view, options: [option("support", "fixed"), option("inflections", "")] };
+  const after = renewed(now, view, draft);
+  expect(after).toEqual({ support: "fixed", inflections: "L1,T6" });
+  expect(changesOf(now, after)).toEqual([{ name: "inflections", value: "L1,T6" }]);
+  expect(renewed(view, null, {})).toEqual(draftOf(view));
 });
 
 test("the text of an opened file is sent, unless another value is chosen after it", () => {
