@@ -11,6 +11,7 @@ export class Loaded<T> {
   error = $state.raw<unknown>(null);
 
   readonly #gone = new AbortController();
+  #loads = 0;
 
   /** Loads the data when the component starts. When the component goes, the signal aborts the request. */
   constructor(private readonly read: (signal: AbortSignal) => Promise<T>) {
@@ -23,11 +24,17 @@ export class Loaded<T> {
   load = async (): Promise<void> => {
     const { signal } = this.#gone;
     if (signal.aborted) return;
+    this.#loads += 1;
+    const load = this.#loads;
+    // A slow answer does not replace the answer to a newer request.
+    const isOver = (): boolean => signal.aborted || load !== this.#loads;
     try {
-      this.value = await this.read(signal);
+      const value = await this.read(signal);
+      if (isOver()) return;
+      this.value = value;
       this.error = null;
     } catch (caught) {
-      if (signal.aborted) return;
+      if (isOver()) return;
       const back = backAfter(caught);
       if (!back) this.error = caught;
       else void back.then(this.load);
