@@ -160,9 +160,8 @@ export class Plan {
     this.#past = [...this.#past, this.loads];
     this.#future = [];
     this.#latest.cancel();
-    this.loads = loads;
     this.chosen = null;
-    this.#keep();
+    this.#set(loads);
     this.#use(answer, loads);
   }
 
@@ -188,12 +187,16 @@ export class Plan {
   }
 
   #put(loads: Loads): void {
+    this.#set(loads);
+    this.#ask();
+  }
+
+  #set(loads: Loads): void {
     this.#last = null;
     this.loads = loads;
     if (this.chosen !== null && this.chosen >= loads.length) this.chosen = null;
     this.step = null;
     this.#keep();
-    this.#ask();
   }
 
   #ask(): void {

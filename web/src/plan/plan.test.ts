@@ -116,8 +116,9 @@ it("opens a file that the program reads, and leaves the loads where it does not"
   const bad = '{"format":"spineline-load","version":1,"loads":[{"kind":"pda"}]}';
   await expect(own.open(bad, signal)).rejects.toThrow("unknown name");
   expect(own.loads).toEqual([PAD]);
+  own.step = 0;
   await own.open(`\uFEFF${textOf([STRAP])}`, signal);
-  expect(own.loads).toEqual([STRAP]);
+  expect([own.loads, own.step], "the result is shown").toEqual([[STRAP], null]);
   own.undo();
   expect(own.loads).toEqual([PAD]);
   own.leave();
