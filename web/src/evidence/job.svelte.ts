@@ -1,5 +1,7 @@
 import { onMount } from "svelte";
 
+import { backAfter } from "../shell/loaded.svelte";
+
 /** A computation of the program in the background: asked again while it runs. */
 export class Job<View extends { state: string }> {
   problem = $state.raw<{ what: string; error: unknown } | null>(null);
@@ -35,7 +37,12 @@ export class Job<View extends { state: string }> {
       this.problem = null;
       if (view.state !== "running") return;
     } catch (error) {
-      if (turn === this.#turn) this.problem = { what, error };
+      if (turn !== this.#turn) return;
+      this.problem = { what, error };
+      // The computation runs on while the connection or the session is lost.
+      void backAfter(error)?.then(() => {
+        if (turn === this.#turn) void this.ask(what, this.read);
+      });
       return;
     }
     const next = (): void => void this.ask("The progress is unknown", this.read);
