@@ -69,11 +69,10 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
         Err((sequence, current)) => {
             let (state, name) = (state.clone(), study.clone());
             computed(move || {
-                let result = Arc::new(StudyResult::of(&name, current));
+                let result = StudyResult::of(&name, current);
                 // The list of studies needs it, and reads it while it holds the store.
                 result.models_verdict();
-                state.results.keep(sequence, &result);
-                result
+                state.results.keep(sequence, result)
             })
             .await
         }

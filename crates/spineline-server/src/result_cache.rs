@@ -135,13 +135,16 @@ impl ResultCache {
         (*of == sequence).then(|| Arc::clone(result))
     }
 
-    /// Keeps a result, unless a newer one is kept.
-    pub fn keep(&self, sequence: i64, result: &Arc<StudyResult>) {
+    /// Keeps a result, unless one of the same or of a newer change is kept. Returns the kept one of the same change: jobs belong to it.
+    pub fn keep(&self, sequence: i64, result: StudyResult) -> Arc<StudyResult> {
+        let result = Arc::new(result);
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let newer = kept.get(&result.study).is_some_and(|(of, _)| *of > sequence);
-        if !newer {
-            kept.insert(result.study.clone(), (sequence, Arc::clone(result)));
+        match kept.get(&result.study) {
+            Some((of, same)) if *of == sequence => return Arc::clone(same),
+            Some((of, _)) if *of > sequence => {}
+            _ => drop(kept.insert(result.study.clone(), (sequence, Arc::clone(&result)))),
         }
+        result
     }
 
     /// Results of the finished readings of a study, computed if not cached.
@@ -154,9 +157,7 @@ impl ResultCache {
             return Ok(result);
         }
         let current = store.current_case(study, CaseReadings::Finished)?;
-        let result = Arc::new(StudyResult::of(study, current));
-        self.keep(sequence, &result);
-        Ok(result)
+        Ok(self.keep(sequence, StudyResult::of(study, current)))
     }
 }
 
@@ -179,7 +180,29 @@ pub async fn computed<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'stat
 
 #[cfg(test)]
 mod tests {
+    use spineline_store::{Signature, Study, Timestamp};
+
     use super::*;
+
+    #[test]
+    fn two_requests_that_compute_one_result_share_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let name = Name::new("S-1").expect("a name");
+        let by = Signature::new(name.clone(), Timestamp::from_unix_ms(0).expect("a moment"));
+        let mut store = Store::create(&folder.path().join("s"), &by).expect("a store");
+        store.add_study(&Study::new(name.clone(), None, true), &by).expect("a study");
+        let result = || {
+            let current = store.current_case(&name, CaseReadings::Finished).expect("a case");
+            StudyResult::of(&name, current)
+        };
+        let cache = ResultCache::default();
+        let first = cache.keep(2, result());
+        assert!(Arc::ptr_eq(&first, &cache.keep(2, result())));
+        assert!(!Arc::ptr_eq(&first, &cache.keep(1, result())), "an older one is for its request");
+        assert!(cache.get(&name, 2).is_some_and(|kept| Arc::ptr_eq(&first, &kept)));
+        let newer = cache.keep(3, result());
+        assert!(cache.get(&name, 3).is_some_and(|kept| Arc::ptr_eq(&newer, &kept)));
+    }
 
     #[tokio::test]
     async fn a_bug_in_the_work_is_a_refusal_that_says_nothing_of_the_case() {
