@@ -96,15 +96,20 @@ pub fn synthetic(is_synthetic: bool) -> Option<Notice> {
 fn left_out(current: &CurrentCase) -> Vec<Notice> {
     let notices = current.films.iter().filter_map(|(&posture, film)| {
         let missing = film.missing();
-        let text = match film.readings {
+        let (severity, text) = match film.readings {
             _ if film.is_usable() => return None,
-            0 => format!("the {posture} film is left out: it has no finished reading"),
-            _ => format!(
-                "the {posture} film is left out: {} without landmarks",
-                listed(&missing, "is", "are")
+            // Work to do, and no doubt.
+            0 => (
+                Severity::Note,
+                format!("the {posture} film is left out: it has no finished reading"),
             ),
+            _ => {
+                let missing = listed(&missing, "is", "are");
+                let text = format!("the {posture} film is left out: {missing} without landmarks");
+                (Severity::Warning, text)
+            }
         };
-        let mut notice = notice(Severity::Warning, "film_left_out", text);
+        let mut notice = notice(severity, "film_left_out", text);
         notice.posture = Some(Wire(posture));
         Some(notice)
     });
@@ -118,7 +123,7 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
     // The sagittal profile is then taken from a population.
     let unread = current.lateral.as_ref().filter(|film| film.readings == 0).map(|_| {
         let text = "the lateral film is left out: it has no finished reading";
-        notice(Severity::Warning, "film_left_out", text)
+        notice(Severity::Note, "film_left_out", text)
     });
     notices.chain(no_erect).chain(unread).collect()
 }

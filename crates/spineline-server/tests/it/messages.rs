@@ -4,7 +4,7 @@ use axum::http::StatusCode;
 use serde_json::{Value, json};
 
 use crate::browser::App;
-use crate::demo::app_with_demo;
+use crate::demo::{STUDY, app_with_demo};
 
 fn texts(problem: &Value) -> String {
     format!("{} {}", problem["message"], problem["help"])
@@ -47,4 +47,14 @@ fn a_reading_or_a_plan_that_is_there_needs_no_other_name() {
     assert_eq!((twice.status, twice.code().as_str()), (StatusCode::CONFLICT, "exists"));
     let said = texts(&twice.json());
     assert!(said.contains("can be changed") && !said.contains("another name"), "{said}");
+}
+
+#[test]
+fn a_new_study_has_work_to_do_and_no_warnings() {
+    let app = app_with_demo();
+    let browser = app.observer("Ann");
+    let studies = browser.get("/api/studies").json();
+    let study = &studies[0];
+    assert_eq!((&study["id"], &study["status"]), (&json!(STUDY), &json!("to_mark")));
+    assert_eq!((&study["warnings"], &study["contradictions"]), (&json!(0), &json!(0)), "{study}");
 }
