@@ -148,3 +148,21 @@ test("two keys finish a reading and begin the next film", async ({ app, page }) 
     "page",
   );
 });
+
+test("a reading is not finished before its last change is saved", async ({ app, page }) => {
+  const film = await FilmPage.ofDemo(app, page);
+  await film.mark(await film.truth(), LEVELS[0]!);
+  await film.saved();
+  await page.route("**/events", (route) => route.abort());
+  await page.getByText("Notes (0)").click();
+  await page.getByLabel("New note").fill("blurred");
+  await page.getByRole("button", { name: "Add note" }).click();
+  await film.viewer.focus();
+  await page.keyboard.press("Control+Enter");
+  const dialog = page.getByRole("dialog", { name: /finish this reading/i });
+  const finish = dialog.getByRole("button", { name: "Finish", exact: true });
+  await expect(dialog).toContainText("still being saved");
+  await expect(finish).toBeDisabled();
+  await page.unroute("**/events");
+  await expect(finish).toBeEnabled();
+});
