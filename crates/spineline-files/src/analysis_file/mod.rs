@@ -136,6 +136,10 @@ struct ClinicalRecord {
     /// Of the erect film; absent where its vertical is not known.
     balance: Option<BalanceRecord>,
     curves: BTreeMap<String, ClinicalCurveRecord>,
+    /// The curve between the two vertebrae that turn most against each other, by the region of its apex, where the limits of `curves` are
+    /// not inflections.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    whole_curve: BTreeMap<String, ClinicalCurveRecord>,
 }
 
 impl ClinicalRecord {
@@ -147,6 +151,12 @@ impl ClinicalRecord {
             lenke_type: movement.lenke.map(|lenke| lenke.number),
             balance: balance.map(|found| BalanceRecord::new(found, scale)),
             curves: curves.map(|curve| clinical_curve(curve, balance, scale)).collect(),
+            // Balance has the translation of the regions' apices.
+            whole_curve: movement
+                .whole_curve
+                .iter()
+                .map(|curve| clinical_curve(curve, None, scale))
+                .collect(),
         }
     }
 }

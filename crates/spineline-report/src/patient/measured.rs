@@ -1,6 +1,6 @@
 //! Results from the films: landmarks, curve, movement, and line of action.
 
-use spineline::analysis::{Analysis, FilmMovement, LineComparison};
+use spineline::analysis::{Analysis, FilmMovement, LineComparison, Movement};
 use spineline::anatomy::Posture;
 use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
 use spineline::measure::{Interpolation, MeasuredVertebra, Outline};
@@ -98,6 +98,14 @@ pub fn clinical(analysis: &Analysis) -> Table {
     table.note = format!(
         "{what} Positive in the direction of the erect curve: a negative angle is convex to the other side."
     );
+    if let Some(whole) = &analysis.movement.whole_curve {
+        table.note.push_str(&format!(
+            " The limits of these curves are usual vertebrae and not inflections: a curve may continue in the next row. The two vertebrae that turn most against each other are {} and {}: {}.",
+            whole.ends.superior,
+            whole.ends.inferior,
+            whole.erect_size().abs()
+        ));
+    }
     if table.rows.iter().flatten().any(|cell| cell.ends_with(" ~")) {
         table.note.push_str(" ~: ends at an interpolated vertebra.");
     }
@@ -255,8 +263,11 @@ pub fn best_fit(analysis: &Analysis) -> Table {
     let mut table = Table::of("Line of best fit to the rotations of each film", found, |add| {
         add.words("Film", |(posture, _)| posture.to_string());
         add.words("Lateral tilt of the line", |(_, one)| one.line.lateral_tilt().leaning());
-        add.words("At the caudal inflection (mm left)", |(_, one)| one.crossings[0].to_string());
-        add.words("At the cranial inflection (mm left)", |(_, one)| one.crossings[1].to_string());
+        for (place, height) in heights_of_lines(&analysis.movement).into_iter().enumerate() {
+            add.words(format!("At {height} (mm left)"), move |(_, one)| {
+                one.crossings[place].to_string()
+            });
+        }
         add.words("p: through both inflections", |(_, one)| p_value(one.inflection));
         add.words("p: parallel to the iliac line", |(_, one)| p_value(one.iliac));
         if !analysis.options.given_lines.is_empty() {
@@ -270,6 +281,15 @@ pub fn best_fit(analysis: &Analysis) -> Table {
         );
     }
     table
+}
+
+/// At which heights the places of lines of best fit are given: of the inflections, or of the ends of the model on a spine without two.
+fn heights_of_lines(movement: &Movement) -> [String; 2] {
+    if movement.inflection_segments.is_some() {
+        return ["caudal", "cranial"].map(|end| format!("the {end} inflection"));
+    }
+    let levels = movement.levels();
+    [levels.base(), levels.top()].map(|level| level.to_string())
 }
 
 fn p_value(found: Option<LineComparison>) -> String {

@@ -1,13 +1,14 @@
 //! Step 1: the readings and the outlines of all films.
 
 use std::borrow::Cow;
+use std::slice;
 
 use super::Case;
 use super::checks::{
     check_age, check_outlines, check_postures, warn_of_length, warn_of_shifted_levels,
 };
 use super::wrong_film::warn_of_wrong_films;
-use crate::anatomy::Posture;
+use crate::anatomy::{Levels, Posture};
 use crate::error::Error;
 use crate::measure::{
     Film, FilmLengthRule, FilmReadings, InterpolationError, MeasuredVertebra, Outline,
@@ -25,13 +26,22 @@ pub(crate) struct Replicated<'a> {
     pub errors: &'a [InterpolationError],
 }
 
-/// Step 1: the readings and the outline of every film, the erect one first.
+/// The films of a case, the erect one first.
+pub(super) struct Measured {
+    pub readings: Vec<FilmReadings>,
+    /// Between the vertebrae that all films show: those of the model.
+    pub outlines: Vec<Outline>,
+    /// Between the vertebrae that each film shows; `None` where all show the same.
+    pub whole: Option<Vec<Outline>>,
+}
+
+/// Step 1: the readings and the outlines of every film.
 pub(super) fn measure(
     case: &Case,
     tilt: TiltRule,
     replicated: Option<Replicated<'_>>,
     warnings: &mut Warnings,
-) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
+) -> Result<Measured, Error> {
     check_age(case.subject.age_years)?;
     check_postures(&case.films)?;
     let mut marked: Vec<&Film> = case.films.iter().collect();
@@ -45,13 +55,25 @@ pub(super) fn measure(
         readings.iter().map(|film| (film.posture, seen_levels(&film.readings))).collect();
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
+    // A gap that is too wide for a film alone may lie outside of the model.
+    let shown = seen.iter().map(|film| common_levels(slice::from_ref(film)).unwrap_or(levels));
+    let shown: Vec<Levels> = shown.collect();
+    let is_cut = shown.iter().any(|film| *film != levels);
     // Replicates skip doubts about their films, which take a tenth of their time.
     let reports_doubts = replicated.is_none();
     let mut held = replicated.iter().flat_map(|held| held.noise);
-    let mut outlines = Vec::new();
-    for ((film, marked), measured) in films.iter().zip(&marked).zip(&readings) {
+    let (mut outlines, mut whole) = (Vec::new(), Vec::new());
+    for (((film, marked), measured), shown) in films.iter().zip(&marked).zip(&readings).zip(shown) {
         let noise = held.next().map(|noise| noise.film);
-        outlines.push(outline_of(film, &measured.readings, levels, tilt, noise, warnings)?);
+        let outline = outline_of(film, &measured.readings, shown, tilt, noise, warnings)?;
+        if is_cut {
+            // The whole film gave the warnings about its landmarks already.
+            let repeated = &mut Warnings::default();
+            outlines.push(outline_of(film, &measured.readings, levels, tilt, noise, repeated)?);
+            whole.push(outline);
+        } else {
+            outlines.push(outline);
+        }
         if reports_doubts {
             warn_of_implausible_landmarks(marked, warnings);
         }
@@ -76,7 +98,7 @@ pub(super) fn measure(
     if reports_doubts {
         warn_of_wrong_films(&films, &outlines, case.synthetic, warnings);
     }
-    Ok((readings, outlines))
+    Ok(Measured { readings, outlines, whole: is_cut.then_some(whole) })
 }
 
 /// Brings all films to the length of the erect one.

@@ -1,17 +1,17 @@
 //! What the films show, and the unloaded spine: curves, rotations, and the lines of best fit to these rotations.
 
-use super::checks::{warn_of_unknown_rotation, warn_of_unmarked_ends};
-use super::measured::{at_erect_length, measure, widths_mm};
+use super::checks::warn_of_unknown_rotation;
+use super::clinic::Clinic;
+use super::inflections::inflections_of;
+use super::measured::{Measured, at_erect_length, measure, widths_mm};
 use super::{AnalysisOptions, BestFitLine, Case, Grouping, Reference, Replicated};
 use crate::anatomy::{Level, Levels, Posture, Region, SagittalProfile, trunk_weight_shares};
 use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
-    Balance, ClinicalCurve, CobbEnds, CurvePlaces, EndChoice, LenkeType, RegionBounds, Regions,
-    SpatialMeasures, film_tilts, lenke_type, measure_balance, measure_curves,
+    Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions,
+    SpatialMeasures, film_tilts,
 };
-use crate::curve::{
-    CurveFit, InflectionChoice, InflectionIntervals, Inflections, find_inflections, fit_curve,
-};
+use crate::curve::{CurveFit, InflectionChoice, InflectionIntervals, Inflections, fit_curve};
 use crate::error::{CaseError, Error};
 use crate::measure::{
     AxialRotation, Film, FilmReadings, LengthScale, Outline, SpatialOutline, axial_rotations,
@@ -67,8 +67,10 @@ pub struct Movement {
     pub chain: Chain,
     /// Regions of the spine.
     pub regions: Regions,
-    /// Clinical curves.
+    /// Clinical curves of the regions, between the vertebrae that each film shows.
     pub clinical: Vec<ClinicalCurve>,
+    /// The curve with the largest angle between any two vertebrae, where the regions do not end at inflections.
+    pub whole_curve: Option<ClinicalCurve>,
     /// Balance of the spine over the pelvis; `None` where the erect film's vertical is not known.
     pub balance: Option<Balance>,
     /// Lenke's type as far as the films show it.
@@ -97,7 +99,8 @@ impl Movement {
         replicated: Option<Replicated<'_>>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let (readings, outlines) = measure(case, options.tilt, replicated, warnings)?;
+        let Measured { readings, outlines, whole } =
+            measure(case, options.tilt, replicated, warnings)?;
         let mut outlines = at_erect_length(outlines, options.film_lengths, warnings);
         outlines.iter_mut().for_each(|film| film.amplitude_ends = options.amplitude);
         let fit = |outline| fit_curve(outline, options.order_rule, warnings);
@@ -105,11 +108,8 @@ impl Movement {
         let inflections = inflections_of(&fits[0], options, warnings);
         let locations: Vec<Frontal> = outlines[0].locations().collect();
         let regions = Regions::from_inflections(&fits[0], &inflections, &locations, warnings);
-        let all: Vec<&Outline> = outlines.iter().collect();
-        let clinical = measure_curves(&regions, &all, &options.ends);
-        if options.ends == EndChoice::default() {
-            warn_of_unmarked_ends(&clinical, &outlines[0], warnings);
-        }
+        let Clinic { curves: clinical, whole_curve, balance, lenke } =
+            Clinic::of(whole.as_ref().unwrap_or(&outlines), regions, options, warnings)?;
         let chain = chain_of(&fits)?;
         let unmoved = |(outline, fit)| FilmMovement::unmoved(outline, fit, &chain);
         let films: Vec<FilmMovement> = outlines.into_iter().zip(fits).map(unmoved).collect();
@@ -130,9 +130,8 @@ impl Movement {
                 .pair
                 .map(|pair| pair.map(|inflection| erect.pose.nearest_segment(inflection.erect))),
             mean_least_segments: None,
-            balance: measure_balance(&erect.outline, &regions, &clinical),
-            // Regions that end at usual vertebrae are not curves, so they give no type.
-            lenke: inflections.pair.and_then(|_| lenke_type(&clinical)),
+            balance,
+            lenke,
             widths_mm: widths_mm(case, &erect.outline),
             library: options.library.between(erect.outline.levels()).under(options.support),
             readings,
@@ -141,6 +140,7 @@ impl Movement {
             chain,
             regions,
             clinical,
+            whole_curve,
             spine,
             loaded_spine,
             axial,
@@ -221,7 +221,8 @@ impl Movement {
     #[must_use]
     pub fn main_curve(&self) -> Option<&ClinicalCurve> {
         let size = |curve: &ClinicalCurve| curve.erect_size().abs().rad();
-        self.clinical.iter().max_by(|a, b| size(a).total_cmp(&size(b)))
+        let of_regions = || self.clinical.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+        self.whole_curve.as_ref().or_else(of_regions)
     }
 
     /// Between which vertebrae the curves are measured, for shapes of the model.
@@ -388,49 +389,4 @@ fn loaded_spine(
     let weights_n: Vec<Vec3> =
         trunk_weight_shares(erect.levels()).into_iter().map(weight).collect();
     Ok(Some(spine.clone().carrying(&weights_n)))
-}
-
-fn inflections_of(
-    erect: &CurveFit,
-    options: &AnalysisOptions,
-    warnings: &mut Warnings,
-) -> Inflections {
-    let found = find_inflections(erect, options.min_curve);
-    match options.inflections {
-        InflectionChoice::ByHand(sites) => {
-            warnings
-                .push(WarningCode::InflectionsByHand, "the two inflections were chosen by hand");
-            found.picked(erect, sites)
-        }
-        InflectionChoice::Automatic => {
-            if found.all.len() != 2 {
-                warn_of_inflections(&found, warnings);
-            }
-            found
-        }
-    }
-}
-
-fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
-    let curves: Vec<String> = found.curves.iter().map(|part| part.turn.abs().text(0)).collect();
-    let then = if found.pair.is_some() {
-        "the pair around the largest curve is used"
-    } else {
-        "the inflection line is missing; the other lines are still compared"
-    };
-    let text = format!(
-        "the erect curve has {} (curves of {}), not two: {then}",
-        counted_inflections(found.all.len()),
-        curves.join(", ")
-    );
-    warnings.film(WarningCode::InflectionsNotTwo, Posture::Erect, text);
-}
-
-/// A number of inflections in words.
-pub(super) fn counted_inflections(inflections: usize) -> String {
-    match inflections {
-        0 => "no inflection".to_owned(),
-        1 => "one inflection".to_owned(),
-        n => format!("{n} inflections"),
-    }
 }

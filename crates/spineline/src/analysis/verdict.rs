@@ -2,7 +2,7 @@
 
 use super::comparison::{FilmPredictor, FilmRole, LinesCompared, Ranking};
 use super::compatibility::{BendEvidence, Compatibility};
-use super::movement::counted_inflections;
+use super::inflections::counted_inflections;
 use super::{Analysis, FilmMovement, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;

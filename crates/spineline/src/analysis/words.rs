@@ -120,8 +120,8 @@ impl Analysis {
                 "No Lenke type: it needs Cobb angles, and the corners of the vertebrae are not known"
                     .to_owned()
             }
-            None if movement.inflections.pair.is_none() => {
-                "No Lenke type: the erect curve does not have two inflections that separate the curves".to_owned()
+            None if movement.whole_curve.is_some() => {
+                "No Lenke type: the erect curve does not have two inflections that separate three curves".to_owned()
             }
             None => "No Lenke type: no curve reaches 10°, or the structural curves match no type"
                 .to_owned(),

@@ -2,7 +2,7 @@ use super::places::{EndAngles, end_angles};
 use super::{CobbEnds, CurvePlaces, RegionBounds, Regions, convex_side};
 use crate::anatomy::{Level, Posture, Region, Side, named};
 use crate::measure::{EndplateTilts, Outline};
-use crate::spatial::Angle;
+use crate::spatial::{Angle, Frontal};
 
 named! {
     /// On which films end vertebrae are chosen.
@@ -35,9 +35,9 @@ pub struct ClinicalCurve {
     pub apex: Level,
     /// The side to which the erect curve is convex; `None` where it does not turn.
     pub convex: Option<Side>,
-    /// Angles between the end vertebrae in every posture.
+    /// Angles between the end vertebrae in every posture that shows both, the erect one first.
     pub angles: Vec<(Posture, EndAngles)>,
-    /// Ferguson angle in every posture.
+    /// Ferguson angle in every posture that shows the region.
     pub ferguson: Vec<(Posture, Angle)>,
     /// Part of the erect angle that the bend to the convex side corrects; `None` without that film, and for curves of less
     /// than [`ClinicalCurve::MIN_FLEXIBLE`].
@@ -95,7 +95,7 @@ impl ClinicalCurve {
     }
 }
 
-/// Measures the curve of every region in every posture; the first outline is the erect one.
+/// Measures the curve of every region in every posture that shows its vertebrae; the first outline is the erect one.
 #[must_use]
 pub fn measure_curves(
     regions: &Regions,
@@ -105,36 +105,66 @@ pub fn measure_curves(
     regions.bounds.iter().map(|bounds| measure_curve(*bounds, outlines, choice)).collect()
 }
 
+/// Measures the curve between the two vertebrae of the erect film, the first outline, that make the largest angle, wherever regions end.
+#[must_use]
+pub fn measure_largest_curve(outlines: &[&Outline], rule: EndRule) -> Option<ClinicalCurve> {
+    let erect = film_tilts(outlines[0]);
+    let any_known = erect.iter().any(|(_, endplates)| endplates.is_some());
+    let size = |ends: &[usize; 2]| {
+        let EndAngles { cobb, tilt_range } = end_angles(*ends, &erect);
+        if any_known { cobb } else { Some(tilt_range) }.map_or(0.0, |angle| angle.abs().rad())
+    };
+    // An apex needs a vertebra between the ends.
+    let pairs = (2..erect.len()).flat_map(|upper| (0..upper - 1).map(move |lower| [lower, upper]));
+    let ends = pairs.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let locations: Vec<Frontal> = outlines[0].locations().collect();
+    let bounds = RegionBounds::of_curve(ends, outlines[0].levels(), &locations);
+    Some(measure_curve(bounds, outlines, &EndChoice { rule, ..EndChoice::default() }))
+}
+
 fn measure_curve(bounds: RegionBounds, outlines: &[&Outline], choice: &EndChoice) -> ClinicalCurve {
     let erect = outlines[0];
-    let place = |level| erect.vertebrae.iter().position(|vertebra| vertebra.level == level);
-    let given = choice.given[bounds.region.index()]
-        .and_then(|ends| Some([place(ends.inferior)?, place(ends.superior)?]));
-    let level = |i: usize| erect.vertebrae[i].level;
-    let ends_on = |film: &[(Angle, Option<EndplateTilts>)]| {
-        given.unwrap_or_else(|| CurvePlaces::choose(bounds, film).cobb_ends)
-    };
-    let held = ends_on(&film_tilts(erect));
-    let angles: Vec<_> = outlines
-        .iter()
-        .map(|outline| {
-            let film = film_tilts(outline);
-            let ends = if choice.rule == EndRule::EachFilm { ends_on(&film) } else { held };
-            (outline.posture, end_angles(ends, &film))
+    let level = |place: usize| erect.vertebrae[place].level;
+    // A place of the erect film on another film.
+    let on = |film: &Outline, place: usize| film.levels().index_of(level(place));
+    let given = choice.given[bounds.region.index()].and_then(|ends| {
+        let place = |level| erect.levels().index_of(level);
+        Some([place(ends.inferior)?, place(ends.superior)?])
+    });
+    let bounds_on = |film: &Outline| {
+        let [inferior, apex, superior] =
+            [bounds.inferior, bounds.apex, bounds.superior].map(|place| on(film, place));
+        Some(RegionBounds {
+            inferior: inferior?,
+            apex: apex?,
+            superior: superior?,
+            region: bounds.region,
         })
-        .collect();
-    let ferguson = |outline: &&Outline| {
-        (outline.posture, bounds.ferguson_angle(|i| outline.vertebrae[i].location))
+    };
+    let held = given.unwrap_or_else(|| CurvePlaces::choose(bounds, &film_tilts(erect)).cobb_ends);
+    let angles_on = |film: &&Outline| {
+        let tilts = film_tilts(film);
+        let ends = if choice.rule == EndRule::EachFilm && given.is_none() {
+            CurvePlaces::choose(bounds_on(film)?, &tilts).cobb_ends
+        } else {
+            [on(film, held[0])?, on(film, held[1])?]
+        };
+        Some((film.posture, end_angles(ends, &tilts)))
+    };
+    let ferguson_on = |film: &&Outline| {
+        let bounds = bounds_on(film)?;
+        Some((film.posture, bounds.ferguson_angle(|i| film.vertebrae[i].location)))
     };
     let mut curve = ClinicalCurve {
         region: bounds.region,
         ends: CobbEnds { inferior: level(held[0]), superior: level(held[1]) },
         apex: level(bounds.apex),
-        convex: convex_side(angles[0].1.size()),
-        angles,
-        ferguson: outlines.iter().map(ferguson).collect(),
+        convex: None,
+        angles: outlines.iter().filter_map(angles_on).collect(),
+        ferguson: outlines.iter().filter_map(ferguson_on).collect(),
         flexibility: None,
     };
+    curve.convex = convex_side(curve.erect_size());
     let size = curve.erect_size().abs();
     curve.flexibility = curve
         .size_when_straightened()
@@ -143,7 +173,7 @@ fn measure_curve(bounds: RegionBounds, outlines: &[&Outline], choice: &EndChoice
     curve
 }
 
-/// Tilts of L4 to T2 and of their endplates on a film.
+/// Tilts of the vertebrae of a film and of their endplates, caudal first.
 #[must_use]
 pub fn film_tilts(outline: &Outline) -> Vec<(Angle, Option<EndplateTilts>)> {
     outline.vertebrae.iter().map(|vertebra| (vertebra.tilt, vertebra.endplates)).collect()

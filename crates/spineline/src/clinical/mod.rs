@@ -18,6 +18,7 @@ pub use balance::{
 };
 pub use curves::{
     ClinicalCurve, EndChoice, EndRule, LenkeType, film_tilts, lenke_type, measure_curves,
+    measure_largest_curve,
 };
 pub use largest::largest_tilt_difference;
 pub use places::{CobbEnds, CurvePlaces, EndAngles, convex_side, endplate_line};

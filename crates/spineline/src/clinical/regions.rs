@@ -21,6 +21,8 @@ pub struct RegionBounds {
 pub struct Regions {
     /// Caudal first, in the order of [`Region::ALL`].
     pub bounds: [RegionBounds; 3],
+    /// Whether they end at inflections, and so each has one curve; else they end at usual vertebrae.
+    pub are_curves: bool,
 }
 
 /// Without two inflections the regions end at these vertebrae.
@@ -34,7 +36,7 @@ impl Regions {
     #[must_use]
     pub fn usual(levels: Levels, locations: &[Frontal]) -> Self {
         let [low, high] = USUAL_ENDS.map(|level| levels.nearest_index(level));
-        Self::between([low.max(2), high.min(levels.joints() - 2)], locations)
+        Self::between([low.max(2), high.min(levels.joints() - 2)], locations, false)
     }
 
     /// Number of joints of the model.
@@ -57,7 +59,7 @@ impl Regions {
         // An apex needs a vertebra between the ends.
         match ends {
             Some([low, high]) if low >= 2 && high >= low + 2 && high + 2 <= last => {
-                Self::between([low, high], locations)
+                Self::between([low, high], locations, true)
             }
             _ => {
                 let usual = Self::usual(fit.levels, locations);
@@ -71,14 +73,14 @@ impl Regions {
         }
     }
 
-    fn between(ends: [usize; 2], locations: &[Frontal]) -> Self {
+    fn between(ends: [usize; 2], locations: &[Frontal], are_curves: bool) -> Self {
         let limits = [0, ends[0], ends[1], locations.len() - 1];
         let bounds = std::array::from_fn(|i| {
             let (inferior, superior) = (limits[i], limits[i + 1]);
             let apex = apex_between(locations, inferior, superior);
             RegionBounds { region: Region::ALL[i], inferior, apex, superior }
         });
-        Self { bounds }
+        Self { bounds, are_curves }
     }
 
     /// The region of a joint: the one of its upper vertebra; an end vertebra belongs to the region below.
@@ -91,6 +93,22 @@ impl Regions {
 }
 
 impl RegionBounds {
+    /// A curve between two vertebrae of an erect spine, in the region of its apex: thoracolumbar or lumbar up to T12, main thoracic up to
+    /// T6.
+    pub(super) fn of_curve(
+        [inferior, superior]: [usize; 2],
+        levels: Levels,
+        locations: &[Frontal],
+    ) -> Self {
+        let apex = apex_between(locations, inferior, superior);
+        let region = match levels.as_slice()[apex] {
+            level if level <= USUAL_ENDS[0] => Region::ThoracolumbarLumbar,
+            level if level <= USUAL_ENDS[1] => Region::MainThoracic,
+            _ => Region::ProximalThoracic,
+        };
+        Self { region, inferior, apex, superior }
+    }
+
     /// The lines from the lower end to the apex and from the apex to the upper end.
     pub(crate) fn ferguson_lines(&self, location: impl Fn(usize) -> Frontal) -> [Frontal; 2] {
         let apex = location(self.apex);

@@ -2,9 +2,9 @@
 
 use crate::common::{self, assert_near, graph_film, measured, outline, usual_regions};
 use proptest::prelude::*;
-use spineline::anatomy::{Posture, Side};
+use spineline::anatomy::{Level, Posture, Region, Side};
 use spineline::chain::{Chain, SEGMENT_WINDOW};
-use spineline::clinical::{EndChoice, measure_curves};
+use spineline::clinical::{CobbEnds, EndChoice, EndRule, measure_curves, measure_largest_curve};
 use spineline::curve::{CurveFit, InflectionIntervals, OrderRule, find_inflections, fit_curve};
 use spineline::measure::Outline;
 use spineline::spatial::{Angle, Frontal};
@@ -169,6 +169,17 @@ proptest! {
             prop_assert_eq!(curve.convex, Some(if angle > 0.0 { Side::Left } else { Side::Right }));
         }
     }
+}
+
+#[test]
+fn a_curve_over_the_usual_limits_is_measured_as_a_whole() {
+    // By hand: one arc of 50° from L4 to T6, over the limit at T12, whose middle is T11; above it the spine turns back by 15°.
+    let outline = three_arcs([20.0, 30.0, -15.0]);
+    let curve = measure_largest_curve(&[&outline], EndRule::Erect).expect("a curve");
+    assert_eq!(curve.ends, CobbEnds { inferior: Level::L4, superior: Level::T6 });
+    assert_eq!((curve.apex, curve.region), (Level::T11, Region::MainThoracic));
+    assert_eq!(curve.convex, Some(Side::Left));
+    assert_near(curve.erect_size().deg(), 50.0, 1e3 * ROUNDING, "tilt range");
 }
 
 /// Three arcs between L4, T12, T6 and T2 with the vertebrae at equal angles, so that the apices of `usual_regions` are

@@ -218,6 +218,28 @@ fn mirrored_patients_with_hidden_vertebrae_have_mirrored_analyses() {
 }
 
 #[test]
+fn vertebrae_hidden_on_one_film_leave_the_curves_of_the_others() {
+    let case = exact_case(0);
+    let whole = analyzed(&case, &on_a_table()).movement;
+    let mut partial = case.clone();
+    hide(film_mut(&mut partial, Posture::Traction), |level| level < Level::L2 || level > Level::T4);
+    let found = analyzed(&partial, &on_a_table()).movement;
+    assert_eq!((found.levels().base(), found.levels().top()), (Level::L2, Level::T4));
+    // Oracle: the erect film and the bends are as they were.
+    assert_eq!((found.lenke, &found.balance), (whole.lenke, &whole.balance));
+    for (a, b) in whole.clinical.iter().zip(&found.clinical) {
+        assert_eq!((a.ends, a.apex, a.convex), (b.ends, b.apex, b.convex));
+        for posture in [Posture::Erect, Posture::LeftBending, Posture::RightBending] {
+            let [a, b] = [a, b].map(|curve| curve.cobb_in(posture).expect("its ends").deg());
+            assert_near(b, a, 1e-9, "Cobb angle");
+        }
+        let shows = [b.ends.inferior, b.ends.superior];
+        let shows = shows.iter().all(|end| (Level::L2..=Level::T4).contains(end));
+        assert_eq!(b.cobb_in(Posture::Traction).is_some(), shows, "{:?}", b.ends);
+    }
+}
+
+#[test]
 fn a_top_hidden_on_one_film_shortens_the_model_of_all() {
     let case = exact_case(0);
     let whole = analyzed(&case, &on_a_table());

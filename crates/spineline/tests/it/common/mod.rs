@@ -254,6 +254,7 @@ pub fn usual_regions() -> Regions {
             bounds(Region::MainThoracic, 4, 7, 10),
             bounds(Region::ProximalThoracic, 10, 12, 14),
         ],
+        are_curves: false,
     }
 }
 
