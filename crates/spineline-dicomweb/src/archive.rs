@@ -66,9 +66,6 @@ pub enum ArchiveFault {
 
 impl Archive {
     /// Reads `NAME=ADDRESS`, with the address of the DICOMweb service, below which `studies` and `series` are.
-    ///
-    /// # Errors
-    /// [`ArchiveFault`].
     pub fn parse(text: &str) -> Result<Self, ArchiveFault> {
         let (name, address) =
             text.split_once('=').ok_or_else(|| ArchiveFault::Form { text: text.to_owned() })?;

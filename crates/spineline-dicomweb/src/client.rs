@@ -56,9 +56,6 @@ impl Client {
     }
 
     /// Searches for series (QIDO-RS).
-    ///
-    /// # Errors
-    /// [`DicomwebError`].
     pub fn search(
         &self,
         archive: &Archive,
@@ -76,9 +73,6 @@ impl Client {
     }
 
     /// The films of a series (QIDO-RS).
-    ///
-    /// # Errors
-    /// [`DicomwebError`].
     pub fn films(
         &self,
         archive: &Archive,
@@ -89,9 +83,6 @@ impl Client {
     }
 
     /// The DICOM file of a film (WADO-RS), in its own transfer syntax. After reading it, call [`FilmUid::check`].
-    ///
-    /// # Errors
-    /// [`DicomwebError`].
     pub fn retrieve(&self, archive: &Archive, of: &FilmUid) -> Result<Vec<u8>, DicomwebError> {
         let (study, series) = (of.series.study(), of.series.series());
         let path = format!("studies/{study}/series/{series}/instances/{}", of.instance());

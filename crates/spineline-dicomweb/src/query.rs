@@ -88,9 +88,6 @@ impl BadQuery {
 
 impl Search {
     /// Checks a value.
-    ///
-    /// # Errors
-    /// [`BadQuery`].
     pub fn new(key: SearchKey, value: &str) -> Result<Self, BadQuery> {
         let value = value.trim();
         let length = value.chars().count();

@@ -246,9 +246,6 @@ fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>
 }
 
 /// Reads a model from the text of its file.
-///
-/// # Errors
-/// [`FileError`].
 pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
     parse::<ModelFile>(text, FORMAT, VERSION)?.stored()
 }

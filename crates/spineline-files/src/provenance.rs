@@ -246,9 +246,6 @@ pub const PROVENANCE_FORMAT: &str = "spineline-provenance";
 const VERSION: u32 = 1;
 
 /// Reads a provenance file.
-///
-/// # Errors
-/// [`FileError`].
 pub fn parse_provenance(text: &str) -> Result<ProvenanceFile, FileError> {
     parse(text, PROVENANCE_FORMAT, VERSION)
 }

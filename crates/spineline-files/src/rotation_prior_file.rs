@@ -87,9 +87,6 @@ impl StoredRotationPrior {
 }
 
 /// Reads a prior of joint rotations from the text of its file.
-///
-/// # Errors
-/// [`FileError`].
 pub fn parse_rotation_prior(text: &str) -> Result<StoredRotationPrior, FileError> {
     let file = parse::<RotationPriorFile>(text, FORMAT, VERSION)?;
     let learned_from = file.provenance.inputs().iter().map(|input| input.sha256.clone()).collect();

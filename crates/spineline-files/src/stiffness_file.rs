@@ -41,9 +41,6 @@ struct JointRow {
 }
 
 /// Reads a stiffness table from the text of its file.
-///
-/// # Errors
-/// [`FileError`].
 pub fn parse_stiffness(text: &str) -> Result<StiffnessLibrary, FileError> {
     parse::<StiffnessFile>(text, FORMAT, VERSION)?.library()
 }

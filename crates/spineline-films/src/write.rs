@@ -159,9 +159,6 @@ pub fn pixels_sha256(pixels: &[u16]) -> String {
 }
 
 /// The film as the bytes of a DICOM file.
-///
-/// # Errors
-/// [`WriteFilmError`].
 pub fn write_dicom(film: &DicomFilm) -> Result<Vec<u8>, WriteFilmError> {
     film.check()?;
     let instance = uid::from_name(&format!("instance {} {}", film.case_id, film.posture.key()));

@@ -81,9 +81,6 @@ Left and right are the patient's. AASCE and polygons name sides of the picture: 
 Pixels count from the centre of the first pixel, which is 0.";
 
 /// Reads landmarks of any known format from the bytes of a file, detected from the content.
-///
-/// # Errors
-/// [`LandmarkError`].
 pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
     if bytes.len() as u64 > MAX_BYTES {
         let (found, limit) = (bytes.len() as u64, MAX_BYTES);
@@ -153,9 +150,6 @@ fn parse_json_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFil
 }
 
 /// Reads landmarks of any known format from a file, or from a folder of AASCE.
-///
-/// # Errors
-/// [`LandmarkError`].
 pub fn read_landmarks(path: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
     if path.is_dir() {
         return read_folder(path, hint);

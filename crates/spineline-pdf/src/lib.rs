@@ -40,9 +40,6 @@ pub enum PdfError {
 
 /// The report as PDF/A-3b, made at this time, with the analysis attached. Letters that the fonts lack become boxes, and a
 /// note on the first page names them.
-///
-/// # Errors
-/// [`PdfError`]
 pub fn pdf(document: &Document, made: DateTime<Utc>) -> Result<Vec<u8>, PdfError> {
     let date = datetime(made).ok_or(PdfError::Date(made))?;
     let within = Fonts::within();

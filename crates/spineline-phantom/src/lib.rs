@@ -86,9 +86,6 @@ pub struct Phantom {
 /// Makes one phantom: subject `index` (from 0) of Table 1.
 ///
 /// The same arguments always make the same phantom: every subject and scenario has its own random stream.
-///
-/// # Errors
-/// [`PhantomError`].
 pub fn generate(
     index: usize,
     scenario: Scenario,
@@ -121,9 +118,6 @@ pub fn generate_built(
 ///
 /// `copy` is 0 for the phantom of [`generate`]; every other number makes another patient of the same row of Table 1.
 /// Readers who differ only in their standard deviations have errors in the same directions, of different size.
-///
-/// # Errors
-/// [`PhantomError`].
 pub fn generate_read(
     index: usize,
     copy: u32,

@@ -31,9 +31,6 @@ pub enum PngError {
 }
 
 /// A figure as PNG on white, with `pixels_per_unit` of the SVG, such as [`PRINT_SCALE`].
-///
-/// # Errors
-/// [`PngError`]
 pub fn png(svg: &str, pixels_per_unit: f32) -> Result<Vec<u8>, PngError> {
     let fonts = Fonts::for_texts([svg]);
     let options = Options {

@@ -82,9 +82,6 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
 /// Whether results of a study may be shown to somebody who may see it.
 ///
 /// While a plan of blinded readings is incomplete, only leaders who do not read see results.
-///
-/// # Errors
-/// Errors of the store.
 pub fn sees_results(store: &Store, user: &User, study: &Name) -> Result<bool, StoreError> {
     Ok(match store.observer(&user.name).visibility(study)? {
         Visibility::Open => true,
@@ -143,9 +140,6 @@ pub async fn prepare(state: &AppState, user: &User, study: &Name) -> Answer<()> 
 }
 
 /// The studies that a user may see, with their permissions; [`prepare`] computes the visible results.
-///
-/// # Errors
-/// Errors of reading the store.
 pub async fn prepared(state: &AppState, user: &User) -> Answer<Vec<(Study, Role)>> {
     let user = user.clone();
     let found = state.ask(move |store| {

@@ -61,9 +61,6 @@ impl Archives {
     }
 
     /// Searches an archive.
-    ///
-    /// # Errors
-    /// Errors of the archive.
     pub async fn search<T: Send + 'static>(
         &self,
         ask: impl FnOnce(&Client) -> Result<T, DicomwebError> + Send + 'static,
@@ -72,9 +69,6 @@ impl Archives {
     }
 
     /// Retrieves a film.
-    ///
-    /// # Errors
-    /// Errors of the archive.
     pub async fn retrieve(
         &self,
         ask: impl FnOnce(&Client) -> Result<Vec<u8>, DicomwebError> + Send + 'static,

@@ -35,9 +35,6 @@ impl Overview {
 
 impl OverviewCache {
     /// The overview of a study at a sequence number of the log.
-    ///
-    /// # Errors
-    /// Errors of reading the store.
     pub fn of(
         &self,
         store: &Store,

@@ -33,9 +33,6 @@ pub struct RequestSource {
 
 impl RequestSource {
     /// The source of a request by its address and head.
-    ///
-    /// # Errors
-    /// Errors of reading the store.
     pub async fn of(
         state: &AppState,
         address: Option<IpAddr>,

@@ -26,9 +26,6 @@ pub struct DrawnFilm {
 }
 
 /// Draws a film of a phantom and writes it as DICOM.
-///
-/// # Errors
-/// [`WriteFilmError`].
 pub fn draw_film(
     phantom: &Phantom,
     film: &TrueFilm,

@@ -63,9 +63,6 @@ impl User {
     }
 
     /// The studies that the user may see, with the permission in each, by identifier.
-    ///
-    /// # Errors
-    /// Errors of reading the store.
     pub fn studies(&self, store: &Store) -> Answer<Vec<(Study, Role)>> {
         let studies = store.studies()?.into_iter();
         if self.role == Role::Admin {

@@ -166,9 +166,6 @@ fn continues(connection: &Connection, from: &Head) -> Result<bool, StoreError> {
 
 /// Compares the end of a store with the end of its audit log: the head, the last entries, and the rows of the last one and of all
 /// that came after a head.
-///
-/// # Errors
-/// [`StoreError::Damaged`].
 pub(crate) fn compare_end(connection: &Connection, after: Option<&Head>) -> Result<(), StoreError> {
     let snapshot = connection.unchecked_transaction()?;
     let at_end = || StoreError::damaged("the end of its log");

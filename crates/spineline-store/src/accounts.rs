@@ -126,9 +126,6 @@ impl Store {
     }
 
     /// All accounts, by name.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn accounts(&self) -> Result<Vec<Account>, StoreError> {
         accounts(&self.connection, None)
     }
@@ -204,9 +201,6 @@ impl Store {
     }
 
     /// The grants of a study, by name.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn grants(&self, study: &Name) -> Result<Vec<StudyGrant>, StoreError> {
         grants(&self.connection, "study", study)
     }
@@ -222,9 +216,6 @@ impl Store {
     }
 
     /// The grants of an account, by study.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn grants_of(&self, name: &Name) -> Result<Vec<StudyGrant>, StoreError> {
         grants(&self.connection, "name", name)
     }

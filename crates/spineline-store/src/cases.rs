@@ -138,9 +138,6 @@ pub struct AddedCase {
 
 impl NewCase {
     /// Reads a case; `bytes_of` gives the bytes of a film by its file name.
-    ///
-    /// # Errors
-    /// [`CaseError`].
     pub fn read<E>(
         text: &str,
         mut bytes_of: impl FnMut(&str) -> Result<Vec<u8>, E>,

@@ -38,9 +38,6 @@ fn digest(inputs: &str, asked: u64, found: &str) -> String {
 
 impl Store {
     /// The last kept computation of a kind.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn computation(
         &self,
         study: &Name,

@@ -35,9 +35,6 @@ pub struct LostChange {
 
 impl Store {
     /// The refused changes of a reading from this number on, oldest first; zero for all.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn conflicts_of_reading(
         &self,
         reading: ReadingId,
@@ -47,9 +44,6 @@ impl Store {
     }
 
     /// The refused edits of a film, oldest first.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn conflicts_of_film(&self, film: FilmId) -> Result<Vec<LostChange>, StoreError> {
         lost_changes(&self.connection, &film.to_string(), 0)
     }

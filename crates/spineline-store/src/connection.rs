@@ -161,17 +161,11 @@ impl Store {
     }
 
     /// The head of the audit log (number of entries and hash), to be kept outside of the store.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn head(&self) -> Result<Head, StoreError> {
         Ok(audit::head(&self.connection)?.0)
     }
 
     /// The audit log, oldest first. [`Store::verify`] checks it.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn audit_log(&self) -> Result<Vec<AuditEntry>, StoreError> {
         let mut query = self.connection.prepare("SELECT * FROM audit ORDER BY sequence")?;
         let entries = query.query_map([], |row| AuditEntry::read(row).map(|(entry, _)| entry))?;

@@ -16,6 +16,8 @@ const DISK_HELP: &str = "check the disk, its cable or its network, and repeat";
 spineline::faults! {
     /// Why the store refused or failed. A refusal changes no state, except that a [`Conflict`](Self::Conflict) stores the refused
     /// event.
+    ///
+    /// Everything that reads a store may find it [`Damaged`](Self::Damaged) or [`Busy`](Self::Busy): a method names its other errors.
     #[derive(Debug, thiserror::Error)]
     #[non_exhaustive]
     pub enum StoreError {

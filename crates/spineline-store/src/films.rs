@@ -106,9 +106,6 @@ impl Store {
     }
 
     /// All studies, by identifier.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn studies(&self) -> Result<Vec<Study>, StoreError> {
         study_rows(&self.connection, None)
     }

@@ -62,9 +62,6 @@ impl Store {
     }
 
     /// The refused changes of a study's model options, oldest first. Each has all options that were wanted.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn conflicts_of_options(&self, study: &Name) -> Result<Vec<LostChange>, StoreError> {
         lost_changes(&self.connection, &object(study), 0)
     }

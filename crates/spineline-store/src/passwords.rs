@@ -54,9 +54,6 @@ impl Credential {
 
 impl Store {
     /// Hash with which a password for this name is compared, whether or not the account exists.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn credential(&self, name: &Name) -> Result<Credential, StoreError> {
         static UNKNOWN: OnceLock<PasswordHash> = OnceLock::new();
         let condition = "WHERE name = ?1";
@@ -72,9 +69,6 @@ impl Store {
 
     /// The account to which a browser signed in during the last 30 days, by the proof that it got then
     /// ([`Credential::device`]).
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn known_device(&self, device: &str, now: Timestamp) -> Result<Option<Name>, StoreError> {
         let mut parts = device.split('/');
         let (name, at_ms) = (parts.next().and_then(Name::checked), parts.next());

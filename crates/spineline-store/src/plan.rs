@@ -160,9 +160,6 @@ impl Store {
     }
 
     /// The plan of a study, if it can be changed.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn open_plan(&self, study: &Name) -> Result<Option<OpenPlan>, StoreError> {
         let snapshot = self.connection.unchecked_transaction()?;
         let begun = !readings::of_study(&snapshot, study)?.is_empty();
@@ -172,17 +169,11 @@ impl Store {
     }
 
     /// Whether a study's readings are planned.
-    ///
-    /// # Errors
-    /// [`StoreError::Database`].
     pub fn has_plan(&self, study: &Name) -> Result<bool, StoreError> {
         films::is_planned(&self.connection, study)
     }
 
     /// The observers of a study's plan, in the order of their codes; none without a plan.
-    ///
-    /// # Errors
-    /// [`StoreError::Database`].
     pub fn planned_observers(&self, study: &Name) -> Result<Vec<Name>, StoreError> {
         observers_of(&self.connection, study)
     }

@@ -65,9 +65,6 @@ impl Store {
     }
 
     /// The session of a secret, if it has not ended; updates its last use.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn session(
         &mut self,
         secret: &str,
@@ -91,9 +88,6 @@ impl Store {
     }
 
     /// Like [`Store::session`], but without updating its last use.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn session_unused(
         &self,
         secret: &str,

@@ -76,9 +76,6 @@ impl Store {
     }
 
     /// The refused edits of a study, oldest first.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn conflicts_of_study(&self, study: &Name) -> Result<Vec<LostChange>, StoreError> {
         lost_changes(&self.connection, &format!("study/{study}"), 0)
     }

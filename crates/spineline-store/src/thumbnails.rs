@@ -17,9 +17,6 @@ pub struct Thumbnails {
 
 impl Store {
     /// The thumbnails of a film, if stored.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn thumbnails(&self, content: &Hash) -> Result<Option<Thumbnails>, StoreError> {
         let query = "SELECT plain, inverted FROM thumbnails WHERE content = ?1";
         let kept = self.connection.query_row(query, [content.as_str()], |row| {

@@ -61,9 +61,6 @@ impl SeenReading {
 
 impl ObserverView<'_> {
     /// Visibility of a study for this observer.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
     pub fn visibility(&self, study: &Name) -> Result<Visibility, StoreError> {
         let snapshot = self.store.connection.unchecked_transaction()?;
         if plan::is_open(&snapshot, study)? {

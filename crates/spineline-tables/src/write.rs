@@ -19,25 +19,16 @@ pub const SCHEMA_VERSION: u32 = 1;
 impl Table {
     /// The table as CSV: a heading, commas between cells, decimal points, UTF-8, empty cells without a value, and a quote before texts that a
     /// spreadsheet would run ([`spineline_files::guarded`]).
-    ///
-    /// # Errors
-    /// [`TableError::Csv`].
     pub fn to_csv(&self) -> Result<String, TableError> {
         Ok(self.csv_heading()? + &self.csv_rows()?)
     }
 
     /// The first line of [`Table::to_csv`].
-    ///
-    /// # Errors
-    /// [`TableError::Csv`].
     pub fn csv_heading(&self) -> Result<String, TableError> {
         self.csv(|writer| writer.write_record(self.columns.iter().map(|column| &column.name)))
     }
 
     /// The other lines.
-    ///
-    /// # Errors
-    /// [`TableError::Csv`].
     pub fn csv_rows(&self) -> Result<String, TableError> {
         self.csv(|writer| {
             (0..self.rows()).try_for_each(|row| {
@@ -58,9 +49,6 @@ impl Table {
     }
 
     /// The table as Parquet ([`ParquetWriter`]).
-    ///
-    /// # Errors
-    /// [`TableError::Parquet`].
     pub fn to_parquet(&self, metadata: &[(&str, &str)]) -> Result<Vec<u8>, TableError> {
         let mut file = ParquetWriter::new(self)?;
         let rows = file.add(self)?;
@@ -102,9 +90,6 @@ pub struct ParquetWriter {
 
 impl ParquetWriter {
     /// With the columns of a table, whose rows are not written yet.
-    ///
-    /// # Errors
-    /// [`TableError::Parquet`].
     pub fn new(table: &Table) -> Result<Self, TableError> {
         let failed = |source| TableError::Parquet { table: table.name, source };
         let own = [
@@ -124,9 +109,6 @@ impl ParquetWriter {
     }
 
     /// The rows of a table with the same columns as one group.
-    ///
-    /// # Errors
-    /// [`TableError::Parquet`].
     pub fn add(&mut self, table: &Table) -> Result<Vec<u8>, TableError> {
         let written = self.add_group(table);
         written.map_err(|source| TableError::Parquet { table: self.table, source })
@@ -144,9 +126,6 @@ impl ParquetWriter {
     }
 
     /// The end of the file, with further metadata.
-    ///
-    /// # Errors
-    /// [`TableError::Parquet`].
     pub fn finish(mut self, metadata: &[(&str, &str)]) -> Result<Vec<u8>, TableError> {
         for &(key, value) in metadata {
             let pair = KeyValue::new(key.to_owned(), value.to_owned());

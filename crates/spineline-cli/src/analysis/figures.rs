@@ -34,9 +34,6 @@ pub fn figures_of(analysis: &Analysis, provenance: &Provenance) -> Vec<FigureFil
 }
 
 /// Writes figures into a folder.
-///
-/// # Errors
-/// If they cannot be written.
 pub fn write_figures(
     figures: &[FigureFile],
     folder: &Path,

@@ -126,9 +126,6 @@ pub enum Command {
 }
 
 /// Runs a command.
-///
-/// # Errors
-/// What stops it.
 pub fn run(command: Command) -> Result<Ending, Failure> {
     match command {
         Command::Reproduce(args) => reproduce::run(&args),

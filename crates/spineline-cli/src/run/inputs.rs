@@ -162,9 +162,6 @@ pub fn input_of(path: &Path, text: &str) -> InputFile {
 }
 
 /// As [`input_of`], for a file that other code reads.
-///
-/// # Errors
-/// If it cannot be read.
 pub fn read_input(path: &Path) -> Result<InputFile, Failure> {
     let text = read_text(path).map_err(|error| Failure::file(path, &error))?;
     Ok(input_of(path, &text))

@@ -42,9 +42,6 @@ fn state() -> MutexGuard<'static, State> {
 }
 
 /// Catches both signals from now on; to be called once, before a command begins.
-///
-/// # Errors
-/// If they cannot be caught.
 pub fn catch() -> Result<(), Failure> {
     let failed = |error| Failure::internal(format!("signals cannot be caught: {error}"));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
@@ -150,9 +147,6 @@ impl Drop for Listed {
 
 impl Part {
     /// Makes a file and lists it; a signal waits until both are done.
-    ///
-    /// # Errors
-    /// If it cannot be made.
     pub fn make(make: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<Self> {
         let mut state = state();
         let file = make()?;
@@ -179,9 +173,6 @@ impl Part<TempPath> {
 
 /// Makes a folder and those around it, which are removed if a signal ends the program while they are empty; returns those that were
 /// missing, the outer one first.
-///
-/// # Errors
-/// If they cannot be made.
 pub fn make_folder(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut state = state();
     let around = folder.ancestors().take_while(|one| !one.as_os_str().is_empty() && !one.exists());

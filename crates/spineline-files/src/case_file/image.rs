@@ -121,9 +121,6 @@ impl FilmSource {
 ///
 /// A lateral film is taken as seen with the patient's front where a frontal film has the patient's left: `patient_left` is the side of
 /// the picture on which the front is. The plane of its spacing is unknown.
-///
-/// # Errors
-/// [`FileError`].
 pub fn parse_image(image: &Value, view: FilmView) -> Result<ImageGeometry, FileError> {
     match view {
         FilmView::Frontal(posture) => record::<ImageRecord>(image)?.geometry(posture),
@@ -145,9 +142,6 @@ fn json(record: impl Serialize) -> Value {
 }
 
 /// The `image` of a case's film with another geometry.
-///
-/// # Errors
-/// [`FileError`].
 pub fn with_geometry(
     image: &Value,
     view: FilmView,

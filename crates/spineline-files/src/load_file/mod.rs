@@ -241,9 +241,6 @@ pub fn direction(name: &str) -> Option<[f64; 3]> {
 }
 
 /// Reads loads from the text of their file.
-///
-/// # Errors
-/// [`FileError`].
 pub fn parse_load(text: &str) -> Result<LoadFile, FileError> {
     let file: LoadFile = parse(text, FORMAT, VERSION)?;
     if file.loads.is_empty() { Err(FileError::NoLoads) } else { Ok(file) }

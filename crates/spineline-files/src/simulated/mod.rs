@@ -80,9 +80,6 @@ impl Simulated {
     /// Loads a model; the callback gets every shape and may interrupt the search.
     ///
     /// `notes` are warnings that the loads brought with them. Without a largest factor, the usual one is taken.
-    ///
-    /// # Errors
-    /// [`SimulationError`].
     pub fn of(
         model: PersonalisedModel,
         loads: LoadFile,
@@ -105,9 +102,6 @@ impl Simulated {
     }
 
     /// As [`Simulated::of`], with the full loads and without an interruption.
-    ///
-    /// # Errors
-    /// [`SimulationError`].
     pub fn at_full_load(
         model: PersonalisedModel,
         loads: LoadFile,

@@ -74,9 +74,6 @@ async fn keep<T: Task>(state: &AppState, job: &Arc<Job<T>>, found: T::Found) -> 
 
 /// Restores a stored result, unless a job of this kind and these results is known. `read` gives `None` for a result of
 /// other inputs.
-///
-/// # Errors
-/// Errors of reading the store.
 pub async fn recall<T: Task>(
     state: &AppState,
     result: &Arc<StudyResult>,

@@ -77,9 +77,6 @@ struct JsonText<'a> {
 
 impl<'a> Json<'a> {
     /// Begins it.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn new(
         path: &'a Path,
         record: &'a RunRecord,
@@ -136,9 +133,6 @@ pub struct Csv<'a> {
 
 impl<'a> Csv<'a> {
     /// Begins it.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn new(
         path: &'a Path,
         table: fn(&[Analysis]) -> Table,

@@ -68,9 +68,6 @@ struct TablesFolder<'a> {
 
 impl<'a> TablesFolder<'a> {
     /// Adds the tables of a patient.
-    ///
-    /// # Errors
-    /// If they cannot be written.
     fn add(&mut self, tables: Vec<Table>, optional: OptionalTables) -> Result<(), Failure> {
         self.optional = self.optional.or(optional);
         for table in tables {
@@ -105,9 +102,6 @@ impl<'a> TablesFolder<'a> {
     }
 
     /// Ends all tables, and adds their dictionary and provenance.
-    ///
-    /// # Errors
-    /// If they cannot be written.
     fn keep(mut self, provenance: &Provenance) -> Result<(), Failure> {
         if self.tables.is_empty() {
             // Columns without rows, where no case could be analysed.

@@ -38,9 +38,6 @@ pub struct Report<'a> {
 
 impl Report<'_> {
     /// Writes the report in the requested format, and every figure if requested; prints what was written.
-    ///
-    /// # Errors
-    /// If a file cannot be written.
     pub fn write(
         &self,
         out: &Path,

@@ -19,17 +19,11 @@ use super::failure::{Ending, Failure};
 use super::messages::say;
 
 /// Writes lines for a person to the standard output. It ignores a closed pipe.
-///
-/// # Errors
-/// If it cannot be written.
 pub fn print(text: impl Into<Lines>) -> Result<Ending, Failure> {
     to_stdout(text.into().as_str())
 }
 
 /// Writes a document for a person to the standard output.
-///
-/// # Errors
-/// If it cannot be written.
 pub fn print_document(document: &Document) -> Result<Ending, Failure> {
     print(Lines::of_text(&terminal::terminal(document, width())))
 }
@@ -41,9 +35,6 @@ pub fn width() -> usize {
 }
 
 /// Writes text for a program to the standard output, as it is; a terminal gets it as text for a person.
-///
-/// # Errors
-/// If it cannot be written.
 pub fn print_data(text: &str) -> Result<Ending, Failure> {
     if io::stdout().is_terminal() { print(Lines::of_text(text)) } else { to_stdout(text) }
 }
@@ -55,9 +46,6 @@ fn to_stdout(text: &str) -> Result<Ending, Failure> {
 }
 
 /// Checks a write to the standard output; a closed pipe is not an error.
-///
-/// # Errors
-/// If it could not be written.
 pub fn shown(written: io::Result<()>) -> Result<Ending, Failure> {
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

@@ -37,9 +37,6 @@ impl Parts {
     }
 
     /// An empty file.
-    ///
-    /// # Errors
-    /// If it cannot be made.
     pub fn add(&self) -> io::Result<Part> {
         let name = self.lock.file.path().file_name().unwrap_or_default().to_string_lossy();
         make(&self.folder, &format!("{}-", name.trim_end_matches(END)))

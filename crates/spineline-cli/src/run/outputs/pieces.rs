@@ -47,9 +47,6 @@ impl Outputs {
 
 impl Pieces<'_> {
     /// Adds the next piece.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn add(&mut self, piece: impl AsRef<[u8]>) -> Result<(), Failure> {
         let piece = piece.as_ref();
         self.content.update(piece);
@@ -63,9 +60,6 @@ impl Pieces<'_> {
     }
 
     /// Keeps the result for its path, and returns its name and hash.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn keep(self) -> Result<InputFile, Failure> {
         let Self { outputs, path, content, place } = self;
         let (sha256, places) = content.finish();

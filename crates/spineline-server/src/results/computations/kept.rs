@@ -76,9 +76,6 @@ pub fn written(job: &ComputationJob, found: &Found) -> Option<KeptComputation> {
 }
 
 /// Restores stored computations of these results that are not in memory.
-///
-/// # Errors
-/// Errors of reading the store.
 pub async fn recall(state: &AppState, result: &Arc<StudyResult>) -> Answer<()> {
     for name in Computation::ALL {
         let read = move |result: &StudyResult, kept: &KeptComputation| {

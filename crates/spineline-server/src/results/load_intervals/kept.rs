@@ -41,9 +41,6 @@ pub fn written(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Answer<KeptC
 }
 
 /// Restores stored intervals of these results that are not in memory.
-///
-/// # Errors
-/// Errors of reading the store.
 pub async fn recall(state: &AppState, result: &Arc<StudyResult>) -> Answer<()> {
     background::recall(state, result, LoadIntervalWork::KEY, read).await
 }
