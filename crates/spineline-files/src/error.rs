@@ -84,7 +84,6 @@ spineline::faults! {
             line: usize,
             /// Where in the file.
             place: String,
-            /// The key.
             key: String,
             /// The known key that it resembles most.
             nearest: Option<String>,
@@ -262,9 +261,7 @@ spineline::faults! {
         )]
         #[help(MODEL_HELP)]
         ModelShape {
-            /// Vertebrae.
             vertebrae: usize,
-            /// Joints.
             joints: usize,
         },
         /// A model in newtons without a measured force.
@@ -343,7 +340,6 @@ spineline::faults! {
         PictureTwice {
             /// Posture of one film, or `lateral`.
             a: String,
-            /// The other one.
             b: String,
             /// Its file, or its SHA-256.
             picture: String,
@@ -380,7 +376,6 @@ spineline::faults! {
         #[error("the region {region} names {level}, which is not a vertebra of this model")]
         #[help(MODEL_HELP)]
         Region {
-            /// Region.
             region: Region,
             /// What it names.
             level: Level,
@@ -391,7 +386,6 @@ spineline::faults! {
         )]
         #[help(MODEL_HELP)]
         RegionOrder {
-            /// Region.
             region: Region,
         },
         /// A table with an invalid heading.
@@ -416,7 +410,6 @@ spineline::faults! {
         RowCode {
             /// Line, from 1.
             line: u64,
-            /// Its column.
             column: &'static str,
             /// The start of the cell.
             found: String,
@@ -433,7 +426,6 @@ spineline::faults! {
         Load {
             /// Which load of the file, from 1.
             number: usize,
-            /// Its kind.
             kind: &'static str,
             /// Place of action.
             place: String,

@@ -135,7 +135,6 @@ spineline::faults! {
             what: Measure,
             /// Size, or a lower bound of it.
             found: u64,
-            /// Limit.
             limit: u64,
         },
         /// The file ends before its data set does.
@@ -151,7 +150,6 @@ spineline::faults! {
         )]
         #[help(COPY_HELP)]
         Length {
-            /// Which.
             attribute: Attribute,
             /// Declared length.
             length: u64,
@@ -162,7 +160,6 @@ spineline::faults! {
         #[error("{attribute} is damaged: {fault}")]
         #[help(EXPORT_HELP)]
         Element {
-            /// Which.
             attribute: Attribute,
             /// How.
             fault: ElementFault,
@@ -189,7 +186,6 @@ spineline::faults! {
         #[error("the file has no picture: {missing} is missing")]
         #[help("choose the image object of the study, not its report or plan")]
         NoPixels {
-            /// What is missing.
             missing: Attribute,
         },
         /// More than one frame.
@@ -203,16 +199,13 @@ spineline::faults! {
         #[error("{photometric}")]
         #[help(GREY_HELP)]
         Photometric {
-            /// What it is.
             photometric: UnsupportedPhotometric,
         },
         /// An arrangement of bits that is not supported.
         #[error("{attribute} is {value}, which is not supported")]
         #[help(GREY_HELP)]
         PixelFormat {
-            /// Which attribute.
             attribute: Attribute,
-            /// Its value.
             value: u32,
         },
         /// Fewer pixels than declared.
@@ -269,14 +262,12 @@ spineline::faults! {
         #[error("the decoder exceeded its time limit of {} s", fixed(*limit_s, 1))]
         #[help(DAMAGED_HELP)]
         DecoderTimeout {
-            /// The limit.
             limit_s: f64,
         },
         /// The decoder needed too much memory.
         #[error("the decoder exceeded its memory limit of {limit_bytes} bytes")]
         #[help(DAMAGED_HELP)]
         DecoderMemory {
-            /// The limit.
             limit_bytes: u64,
         },
         /// The decoder's answer is invalid.

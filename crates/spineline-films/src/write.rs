@@ -132,9 +132,7 @@ spineline::faults! {
         Length {
             /// Film.
             posture: Posture,
-            /// What.
             quantity: &'static str,
-            /// Its value.
             value: f64,
             /// Expected value.
             limit: &'static str,

@@ -28,7 +28,6 @@ spineline::faults! {
             what: &'static str,
             /// Number found, as far as counted.
             found: u64,
-            /// Limit.
             limit: u64,
         },
         /// A folder that is not one of AASCE.
@@ -49,7 +48,6 @@ spineline::faults! {
         #[error("the file is {what}")]
         #[help(help)]
         Foreign {
-            /// What it is.
             what: &'static str,
             /// What to do.
             help: &'static str,
@@ -69,7 +67,6 @@ spineline::faults! {
         Column {
             /// Where in the file.
             at: String,
-            /// Its name.
             name: String,
             /// The known name that was probably meant.
             nearest: Option<String>,
@@ -93,7 +90,6 @@ spineline::faults! {
         PointName {
             /// Where in the file.
             at: String,
-            /// The name.
             name: String,
             /// What is missing or unknown.
             reason: String,
@@ -133,7 +129,6 @@ spineline::faults! {
         Vertebra {
             /// Where in the file.
             at: String,
-            /// The name.
             name: String,
             /// Hint for that vertebra.
             hint: Option<&'static str>,
@@ -144,7 +139,6 @@ spineline::faults! {
         Duplicate {
             /// Place of the second one.
             at: String,
-            /// What it is.
             what: String,
             /// Where it stands first.
             first: Option<String>,
@@ -304,7 +298,6 @@ spineline::faults! {
         #[error("the observer `{name}` cannot be written: {reason}")]
         #[help("give the observer a short code without control characters")]
         Observer {
-            /// The name.
             name: String,
             /// Why.
             reason: &'static str,

@@ -49,7 +49,6 @@ spineline::faults! {
         )]
         #[help("to use the store without this log, move the log to another folder; to put a backup in the place of the store, use `spineline study restore BACKUP STORE`")]
         UnfittingLog {
-            /// The log.
             log: PathBuf,
         },
         /// Another program has the store open, so it cannot be replaced.
@@ -135,7 +134,6 @@ spineline::faults! {
         #[error("{name} is given twice")]
         #[help("give every name once")]
         NameTwice {
-            /// Name.
             name: Name,
         },
         /// The object does not exist.
@@ -156,7 +154,6 @@ spineline::faults! {
         #[error("the same picture is already {film}, the {view} film of study {study}")]
         #[help("check whether one film was exported under two names")]
         AlreadyKnown {
-            /// Study.
             study: Name,
             /// Film that has these bytes.
             film: FilmId,
@@ -178,11 +175,9 @@ spineline::faults! {
         #[error("{what} has {found}; the limit is {limit}")]
         #[help("split it, or remove parts that are not needed")]
         TooLarge {
-            /// What.
             what: &'static str,
             /// Its size.
             found: usize,
-            /// The limit.
             limit: usize,
         },
         /// An image description that is not a JSON object.
@@ -208,14 +203,12 @@ spineline::faults! {
         #[error("{reading} is finished")]
         #[help("correct it: a copy opens as a new reading, and replaces it when it is finished")]
         Finished {
-            /// Reading.
             reading: ReadingId,
         },
         /// A reading with a number that does not follow the observer's earlier readings of the film.
         #[error("{film}: the next reading of this observer is number {next}, not {repeat}")]
         #[help("begin the next reading of the film")]
         BadRepeat {
-            /// Film.
             film: FilmId,
             /// Number that was asked for.
             repeat: u32,
@@ -226,14 +219,12 @@ spineline::faults! {
         #[error("{reading} belongs to another observer")]
         #[help("open your own reading of this film")]
         NotYours {
-            /// Reading.
             reading: ReadingId,
         },
         /// An event that is invalid after those before it.
         #[error("{reading}: {reason}")]
         #[help("reload the reading")]
         BadEvent {
-            /// Reading.
             reading: ReadingId,
             /// Why.
             reason: &'static str,
@@ -246,18 +237,15 @@ spineline::faults! {
         #[error("{reading}: {level} has {corners} of four corners")]
         #[help("place the missing corners, or remove the vertebra")]
         Incomplete {
-            /// Reading.
             reading: ReadingId,
             /// Vertebra.
             level: Level,
-            /// Corners that it has.
             corners: usize,
         },
         /// Films and readings of a planned study follow the plan.
         #[error("study {study} has a reading plan; the plan determines films, observers and dates")]
         #[help("ask for the observer's next film, or make a new study")]
         PlanGoverns {
-            /// Study.
             study: Name,
         },
         /// A change of a film, or the withdrawal of a reading, while a plan runs.
@@ -266,58 +254,49 @@ spineline::faults! {
         )]
         #[help("repeat the change when the plan is complete")]
         PlanRuns {
-            /// Study.
             study: Name,
         },
         /// A change of an outdated plan.
         #[error("another plan of study {study} replaced this one")]
         #[help("load the study again, and change its newest plan")]
         PlanReplaced {
-            /// Study.
             study: Name,
         },
         /// A change in an archived study.
         #[error("study {study} is archived: nothing in it can be changed")]
         #[help("restore the study first: *Edit this study…* does it, or `spineline study archive --undo`")]
         Archived {
-            /// Study.
             study: Name,
         },
         /// A change of a withdrawn reading.
         #[error("{reading} is withdrawn")]
         #[help("begin a new reading of the film")]
         Withdrawn {
-            /// Reading.
             reading: ReadingId,
         },
         /// A correction of a reading that is not finished.
         #[error("{reading} is not finished")]
         #[help("change its landmarks directly")]
         NotFinished {
-            /// Reading.
             reading: ReadingId,
         },
         /// A withdrawal without a reason.
         #[error("the withdrawal of {reading} has no reason")]
         #[help("give a reason, such as `T6 was placed on T7`")]
         NoReason {
-            /// Reading.
             reading: ReadingId,
         },
         /// A release of a plan in which no finished reading has a time in the future.
         #[error("no finished reading of study {study} has a time ahead of the clock")]
         #[help("wait until the washout is over; `spineline study next` prints when")]
         NothingAhead {
-            /// Study.
             study: Name,
         },
         /// A plan without films, observers or repeats, or of too many.
         #[error("a plan needs {needs}")]
         #[help(*remedy)]
         BadPlan {
-            /// What it needs.
             needs: &'static str,
-            /// Remedy.
             remedy: &'static str,
         },
         /// A film code that is not the observer's next one.
@@ -338,7 +317,6 @@ spineline::faults! {
             FilmView::Frontal(_) => "correct the posture of one of them",
         })]
         ViewTwice {
-            /// Study.
             study: Name,
             /// What both show.
             view: FilmView,
@@ -347,16 +325,13 @@ spineline::faults! {
         #[error("{film} is the lateral film and has no posture")]
         #[help("make a new study with this film as a frontal one")]
         NotFrontal {
-            /// Film.
             film: FilmId,
         },
         /// Another side of the patient on a film whose landmarks are named by the present one.
         #[error("{reading} names the landmarks of {film} by the patient's side")]
         #[help("withdraw all readings of the film first")]
         HasReading {
-            /// Film.
             film: FilmId,
-            /// Reading.
             reading: ReadingId,
         },
         /// A case file cannot hold the stored data.

@@ -25,7 +25,8 @@ pub trait Remedy: Display {
 
 /// Defines an enum of errors, each with its message and its remedy.
 ///
-/// The remedy is an expression that sees the fields of its variant. Where a variant has parentheses, `as` names its field.
+/// The remedy is an expression that sees the fields of its variant. Where a variant has parentheses, `as` names its field. A field has a
+/// comment where its name and the message leave something open.
 ///
 /// ```
 /// spineline::faults! {
@@ -62,7 +63,7 @@ macro_rules! faults {
                 #[code($code:expr)]
                 #[help($help:expr)]
                 $(#[at($($key:ident = $value:expr),+)])?
-                $fault:ident $({ $($(#[doc = $field_doc:literal])+ $field:ident: $type:ty,)+ })?,
+                $fault:ident $({ $($(#[doc = $field_doc:literal])* $field:ident: $type:ty,)+ })?,
             )+
         }
     ) => {
@@ -73,7 +74,7 @@ macro_rules! faults {
             $(
                 $(#[doc = $doc])+
                 #[error($($message)+)]
-                $fault $({ $($(#[doc = $field_doc])+ $field: $type,)+ })?,
+                $fault $({ $($(#[doc = $field_doc])* #[allow(missing_docs)] $field: $type,)+ })?,
             )+
         }
 
@@ -115,7 +116,7 @@ macro_rules! faults {
                 #[error($($message:tt)+)]
                 #[help($help:expr)]
                 $fault:ident
-                $({ $($(#[doc = $field_doc:literal])+ $field:ident: $type:ty,)+ })?
+                $({ $($(#[doc = $field_doc:literal])* $field:ident: $type:ty,)+ })?
                 $(($(#[$from:ident])? $inner:ty $(as $cause:ident)?))?,
             )+
         }
@@ -125,7 +126,7 @@ macro_rules! faults {
             $(
                 $(#[doc = $doc])+
                 #[error($($message)+)]
-                $fault $({ $($(#[doc = $field_doc])+ $field: $type,)+ })? $(($(#[$from])? $inner))?,
+                $fault $({ $($(#[doc = $field_doc])* #[allow(missing_docs)] $field: $type,)+ })? $(($(#[$from])? $inner))?,
             )+
         }
 

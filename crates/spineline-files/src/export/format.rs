@@ -82,7 +82,6 @@ spineline::faults! {
         #[error("the {posture} film has two loads")]
         #[help(MODEL_HELP)]
         FilmTwice {
-            /// The posture.
             posture: Posture,
         },
         /// An invalid spring.
@@ -95,7 +94,6 @@ spineline::faults! {
             inferior: Level,
             /// Upper vertebra.
             superior: Level,
-            /// Axis.
             axis: &'static str,
             /// Value in the model.
             value: f64,
@@ -120,7 +118,6 @@ spineline::faults! {
         Text {
             /// Key of the model file.
             what: &'static str,
-            /// The character.
             character: char,
         },
     }

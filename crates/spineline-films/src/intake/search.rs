@@ -141,7 +141,6 @@ spineline::faults! {
         #[error("there are more than {limit} files and archive entries here")]
         #[help("name the patient's own folder, or the films one by one")]
         TooMany {
-            /// The limit.
             limit: usize,
         },
         /// A film that cannot be read: it is too large, or it changed or went away after the survey.
@@ -156,7 +155,6 @@ spineline::faults! {
         Gone {
             /// Where.
             place: Place,
-            /// Reason.
             reason: Reason,
         },
     }
