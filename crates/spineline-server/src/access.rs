@@ -21,8 +21,12 @@ pub fn study_name(text: &str) -> Answer<Name> {
 /// A film that this user may see.
 pub fn seen_film(store: &Store, user: &User, film: FilmId) -> Answer<FilmRecord> {
     let film = store.film(film)?;
-    refuse_blinded(store, user, &film.study)?;
-    Ok(film)
+    user.on_study(store, &film.study)?;
+    // A blinded reader sees codes only.
+    match store.observer(&user.name).visibility(&film.study)? {
+        Visibility::Reader => Err(Failure::not_found()),
+        Visibility::Open | Visibility::Apart => Ok(film),
+    }
 }
 
 /// A reading that this user may see; a reading of others is answered as not found. While its plan is incomplete, a
@@ -30,25 +34,15 @@ pub fn seen_film(store: &Store, user: &User, film: FilmId) -> Answer<FilmRecord>
 pub fn seen_reading(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
     let seen = store.observer(&user.name).reading(reading).map_err(|error| match error {
         StoreError::NotYours { .. } => Failure::not_found(),
-        StoreError::Finished { .. } => finished_reading_hidden(),
+        StoreError::Finished { .. } => {
+            let text = "a finished reading is shown when all planned readings are finished";
+            let hidden = Failure::new(StatusCode::FORBIDDEN, "blinded", text);
+            hidden.help("go on with your next film")
+        }
         other => other.into(),
     })?;
     user.on_study(store, &seen.study.id)?;
     Ok(seen)
-}
-
-fn finished_reading_hidden() -> Failure {
-    let text = "a finished reading is shown when all planned readings are finished";
-    Failure::new(StatusCode::FORBIDDEN, "blinded", text).help("go on with your next film")
-}
-
-/// Refuses a film of a study of which this user may see codes only.
-fn refuse_blinded(store: &Store, user: &User, study: &Name) -> Answer<()> {
-    user.on_study(store, study)?;
-    match store.observer(&user.name).visibility(study)? {
-        Visibility::Reader => Err(Failure::not_found()),
-        Visibility::Open | Visibility::Apart => Ok(()),
-    }
 }
 
 /// Results of the finished readings of a study; the store is not locked during the computation.

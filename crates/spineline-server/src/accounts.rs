@@ -50,7 +50,7 @@ async fn put_account(
             Ok(_) => Ok(store.edit_account(&name, &change, &by)?),
             Err(StoreError::Unknown { .. }) => {
                 let (Some(role), Some(password)) = (change.role, &change.password) else {
-                    return Err(lacks());
+                    return Err(Failure::refused("a new account needs a role and a password"));
                 };
                 let account = Account { name, role, enabled: change.enabled.unwrap_or(true) };
                 store.add_account(&account, password, &by)?;
@@ -61,8 +61,4 @@ async fn put_account(
         .await?;
     state.changes.rights_changed();
     Ok(Json(account))
-}
-
-fn lacks() -> Failure {
-    Failure::refused("a new account needs a role and a password")
 }

@@ -124,7 +124,11 @@ async fn whole(state: &AppState, request: Request, most_bytes: usize) -> Answer<
 fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
     let headers = request.headers();
     let host = host(request.uri(), headers).filter(|host| state.hosts.allow(host));
-    let host = host.ok_or_else(wrong_host)?;
+    let host = host.ok_or_else(|| {
+        let text = "the program does not answer under this name";
+        Failure::new(StatusCode::MISDIRECTED_REQUEST, "wrong_host", text)
+            .help("open the address that `spineline serve` printed, or start it with --host NAME")
+    })?;
     if headers.get(header::CONTENT_ENCODING).is_some_and(|coding| coding != "identity") {
         return Err(Failure::new(
             StatusCode::UNSUPPORTED_MEDIA_TYPE,
@@ -161,15 +165,6 @@ pub fn declared_bytes(headers: &HeaderMap) -> Option<u64> {
 
 fn is_api(uri: &Uri) -> bool {
     uri.path() == "/api" || uri.path().starts_with("/api/")
-}
-
-fn wrong_host() -> Failure {
-    Failure::new(
-        StatusCode::MISDIRECTED_REQUEST,
-        "wrong_host",
-        "the program does not answer under this name",
-    )
-    .help("open the address that `spineline serve` printed, or start it with --host NAME")
 }
 
 /// The one host that a request names, in lower case.

@@ -14,23 +14,12 @@ pub struct OverviewCache(Mutex<HashMap<String, (i64, Arc<Overview>)>>);
 
 /// Data of a study for the list, for any user.
 pub struct Overview {
-    /// Films.
     pub films: Vec<FilmRecord>,
-    /// Readings.
     pub readings: Vec<ReadingRecord>,
     /// Vertebrae of L4 to T2 with four corners.
     pub complete: BTreeMap<ReadingId, u32>,
     /// Status from the landmarks alone, and its text.
     pub status: (StudyStatus, String),
-}
-
-impl Overview {
-    /// The count of a reading that was finished already and so has not changed.
-    fn final_count(&self, reading: &ReadingRecord) -> Option<u32> {
-        let known = self.readings.iter().find(|known| known.id == reading.id)?;
-        known.finished_at?;
-        self.complete.get(&reading.id).copied()
-    }
 }
 
 impl OverviewCache {
@@ -51,7 +40,11 @@ impl OverviewCache {
         let (films, readings) = (store.films(study)?, store.readings(study)?);
         let mut complete = BTreeMap::new();
         for reading in &readings {
-            let counted = before.as_ref().and_then(|(_, overview)| overview.final_count(reading));
+            // A reading that was finished already has not changed.
+            let counted = before.as_ref().and_then(|(_, before)| {
+                before.readings.iter().find(|known| known.id == reading.id)?.finished_at?;
+                before.complete.get(&reading.id).copied()
+            });
             let count = match counted {
                 Some(count) => count,
                 None => store.reading_state(reading.id)?.complete_levels().count() as u32,

@@ -39,7 +39,6 @@ pub enum Work {
     Stranger,
 }
 
-/// All rooms.
 pub struct Rooms {
     clicks: Room,
     users: Room,

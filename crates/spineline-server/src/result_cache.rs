@@ -1,7 +1,6 @@
 //! Cache of analyses of studies, valid until their data change.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::http::StatusCode;
@@ -28,18 +27,15 @@ pub enum Outcome {
         /// What to do about it.
         help: String,
     },
-    /// The analysis.
     Analysed(Box<Analysis>),
 }
 
 /// Results from the readings of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyResult {
-    /// Study.
     pub study: Name,
     /// The case from which it is computed.
     pub current: CurrentCase,
-    /// Outcome.
     pub outcome: Outcome,
 }
 
@@ -120,12 +116,6 @@ fn refused_options(text: String) -> Outcome {
 /// Results by study, each with its last change; events of unfinished readings do not count.
 #[derive(Default)]
 pub struct ResultCache(Mutex<BTreeMap<Name, (i64, Arc<StudyResult>)>>);
-
-impl fmt::Debug for ResultCache {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("ResultCache").finish_non_exhaustive()
-    }
-}
 
 impl ResultCache {
     /// A cached result that includes this change.

@@ -69,9 +69,7 @@ impl Screen {
             },
         }
     }
-}
 
-impl Screen {
     /// The values row by row.
     pub fn values(&self) -> Vec<u16> {
         let bytes = self.packed.unpacked();

@@ -50,9 +50,7 @@ pub struct PadMapWork {
     pub request: PadMapRequest,
     /// The other loads on the model.
     pub others: Loading,
-    /// The model.
     pub model: PersonalisedModel,
-    /// The pads.
     pub trials: Vec<PadTrial>,
 }
 

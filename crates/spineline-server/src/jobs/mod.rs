@@ -66,7 +66,6 @@ pub struct Job<W: Work> {
     pub asked: u64,
     /// Steps that are done.
     pub done: AtomicU64,
-    /// How it ended.
     ending: OnceLock<Ending<W::Found>>,
     cancelled: AtomicBool,
 }

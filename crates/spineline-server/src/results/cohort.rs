@@ -26,7 +26,6 @@ use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
 use crate::user::User;
 
-/// Seed of the bootstrap.
 const BOOTSTRAP_SEED: u64 = 1;
 const LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
 const WHISKERS: &str = "box: quartiles and median; whiskers: last value within 1.5 interquartile ranges; circles: values beyond";

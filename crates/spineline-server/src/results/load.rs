@@ -6,7 +6,7 @@ use spineline::anatomy::Level;
 use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
 use spineline::number::fixed;
 use spineline::response::{
-    CurveChange, SpineAngles, erect_shape, go_on, largest_displacement_mm, measure_angles, respond,
+    CurveChange, erect_shape, go_on, largest_displacement_mm, measure_angles, respond,
 };
 use spineline::spatial::{Vec3, vector_words};
 
@@ -144,7 +144,10 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
     let places = analysis.movement.curve_places();
     let [before, after] = [erect, shape].map(|shape| measure_angles(shape, &places));
     let mut texts = vec![format!("{level} moves most: {} mm", fixed(moved_mm, 1))];
-    texts.extend(curve_text(&before, &after));
+    texts.extend(CurveChange::between(&before, &after).map(|change| {
+        let CurveChange { region, before, after, .. } = change;
+        format!("{region} curve: {} {after} instead of {before}", change.size_name())
+    }));
     texts.push(format!(
         "lateral tilt of {}–{} against {0}'s axis: {}",
         levels.base(),
@@ -152,11 +155,4 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
         after.lateral_tilt.leaning()
     ));
     texts
-}
-
-/// The largest curve of the erect spine before and after.
-fn curve_text(before: &SpineAngles, after: &SpineAngles) -> Option<String> {
-    let change = CurveChange::between(before, after)?;
-    let CurveChange { region, before, after, .. } = change;
-    Some(format!("{region} curve: {} {after} instead of {before}", change.size_name()))
 }

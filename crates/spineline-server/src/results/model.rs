@@ -47,7 +47,11 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         profile_text: analysis.profile_words().to_owned(),
         gauge_text: analysis.gauge_words().to_owned(),
         options_text: result.options_text(),
-        length_unit: drawn_unit(movement.scale().plane).to_owned(),
+        length_unit: match movement.scale().plane {
+            SpacingPlane::Pixels => "mm, for a spine of typical length",
+            plane => plane.unit(),
+        }
+        .to_owned(),
         bodies: bodies(analysis),
         pitch_from: movement
             .levels()
@@ -73,14 +77,6 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         automatic_text: automatic.map(|choice| choice.words),
         verdict: analysis.verdict(),
         notices: model_notices(result, analysis),
-    }
-}
-
-/// Unit of lengths in the scene: without a scale the spine is drawn with a typical length.
-const fn drawn_unit(plane: SpacingPlane) -> &'static str {
-    match plane {
-        SpacingPlane::Pixels => "mm, for a spine of typical length",
-        _ => plane.unit(),
     }
 }
 

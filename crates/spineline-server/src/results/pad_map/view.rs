@@ -3,7 +3,6 @@
 use spineline::multibody::Timing;
 use spineline::number::{fixed, signed};
 use spineline::response::{CurveChange, PadEffect, PadTrial};
-use spineline::spatial::Angle;
 use spineline_files::AppliedLoad;
 
 use crate::api::{FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire};
@@ -47,10 +46,6 @@ fn columns(trials: &[PadTrial]) -> Vec<PadMapColumn> {
         force: force_text(trial.force_n),
     };
     trials.iter().take(per_level()).map(column).collect()
-}
-
-fn change_text(change: Angle) -> String {
-    format!("{}°", signed(change.deg(), 1))
 }
 
 /// Three digits, without zeros at the end.
@@ -138,7 +133,7 @@ impl Map<'_> {
                 let CurveChange { region, before, after, .. } = curve;
                 let size = curve.size_name();
                 PadMapCell {
-                    text: change_text(curve.growth()),
+                    text: format!("{}°", signed(curve.growth().deg(), 1)),
                     title: format!(
                         "{pad}: {region} {size} {after} instead of {before}; lateral tilt {} against {}'s axis",
                         reached.lateral_tilt.leaning(),
