@@ -192,16 +192,12 @@ pub(crate) fn compare_end(connection: &Connection, after: Option<&Head>) -> Resu
         if word == "content" {
             continue;
         }
-        let table = TABLES.iter().find(|table| table.1 == word).ok_or_else(at_end)?.0;
-        let rows = audit::load(&snapshot, table, &condition(table), [key], |_| Ok(()))?;
+        let (table, _, column) = TABLES.iter().find(|table| table.1 == word).ok_or_else(at_end)?;
+        let condition = format!("WHERE {column} = ?1");
+        let rows = audit::load(&snapshot, table, &condition, [key], |_| Ok(()))?;
         if rows.is_empty() || audit::last_digest(&snapshot, &object)?.as_ref() != Some(&digest) {
             return Err(StoreError::damaged(object));
         }
     }
     Ok(())
-}
-
-fn condition(table: &str) -> String {
-    let key = TABLES.iter().find(|known| known.0 == table).map_or("rowid", |known| known.2);
-    format!("WHERE {key} = ?1")
 }

@@ -101,10 +101,8 @@ pub enum CaseError<E> {
     Picture(E),
 }
 
-impl<E> CaseError<E> {
-    /// Remedy; none for [`CaseError::Picture`], whose source has its own.
-    #[must_use]
-    pub fn help(&self) -> &'static str {
+impl<E: Display> Remedy for CaseError<E> {
+    fn help(&self) -> &'static str {
         match self {
             Self::File(error) => error.help(),
             Self::Name(error) => error.help(),
@@ -114,12 +112,6 @@ impl<E> CaseError<E> {
             Self::OtherPicture { .. } => "use the original film, or create the case again",
             Self::Picture(_) => "put the film into the folder of the case",
         }
-    }
-}
-
-impl<E: Display> Remedy for CaseError<E> {
-    fn help(&self) -> &'static str {
-        Self::help(self)
     }
 }
 

@@ -117,9 +117,7 @@ impl Store {
         spineline_files::parse_case(&text)?;
         Ok(ExportedCase { text, remarks })
     }
-}
 
-impl Store {
     /// Logs who exported a study, and in which form, such as `report`: the action is `export_report`. The study does not
     /// change.
     ///

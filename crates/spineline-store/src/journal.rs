@@ -80,13 +80,18 @@ impl Store {
     ) -> Result<Acknowledged, StoreError> {
         const FINISH: &str = r#"{"kind":"finish"}"#;
         self.write(by, |ledger| {
-            let state = match current(ledger, reading, expected_revision, FINISH)? {
-                Ok(state) => state,
-                Err(lost) => return Ok(Err(lost)),
-            };
+            let (record, events) = own(ledger, reading)?;
+            let state = ReadingState::replay(&events, record.finished_at.is_some());
+            if state.revision != expected_revision {
+                let (object, change) = (reading.to_string(), [FINISH.to_owned()]);
+                return keep_lost(ledger, object, expected_revision, state.revision, &change)
+                    .map(Err);
+            }
+            if state.finished {
+                return Err(StoreError::Finished { reading });
+            }
             let sequence = readings::finish(ledger, reading, &state)?;
-            let film = readings::reading(ledger.transaction, reading)?.film;
-            plan::reveal_order(ledger, &films::film(ledger.transaction, film)?.study)?;
+            plan::reveal_order(ledger, &films::film(ledger.transaction, record.film)?.study)?;
             Ok(Ok(Acknowledged { sequence, revision: state.revision }))
         })?
     }
@@ -117,26 +122,6 @@ impl Store {
         self.finals.borrow_mut().insert(reading.id, state.clone());
         Ok(state)
     }
-}
-
-/// The reading to be finished, if it belongs to the author, has the expected revision and is not finished. The inner error is a
-/// conflict, which has been stored.
-fn current(
-    ledger: &Ledger<'_>,
-    reading: ReadingId,
-    expected: u64,
-    change: &str,
-) -> Result<Result<ReadingState, StoreError>, StoreError> {
-    let (record, events) = own(ledger, reading)?;
-    let state = ReadingState::replay(&events, record.finished_at.is_some());
-    if state.revision != expected {
-        let (object, change) = (reading.to_string(), [change.to_owned()]);
-        return keep_lost(ledger, object, expected, state.revision, &change).map(Err);
-    }
-    if state.finished {
-        return Err(StoreError::Finished { reading });
-    }
-    Ok(Ok(state))
 }
 
 /// A reading of the author in a study that can be changed, and its events.

@@ -275,7 +275,10 @@ fn insert(
         });
     }
     let plan = next_id(transaction, "plans", "id")?;
-    let secret = draw_secret(random);
+    // 256 random bits in hexadecimal digits.
+    let mut bytes = [0; 32];
+    random(&mut bytes);
+    let secret: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
     let PlanDesign { repeats, washout_days, proposals } = design;
     transaction.execute(
         "INSERT INTO plans VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1)",
@@ -314,13 +317,6 @@ fn check(films: usize, observers: usize, repeats: u32) -> Result<usize, StoreErr
         }),
         slots => Ok(slots),
     }
-}
-
-/// 256 random bits in hexadecimal digits.
-fn draw_secret(random: &mut dyn FnMut(&mut [u8])) -> String {
-    let mut bytes = [0; 32];
-    random(&mut bytes);
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The films of one round in an observer's order; see [`Store::reading_plan`].

@@ -118,7 +118,8 @@ pub(crate) fn write_ahead(connection: &Connection) -> Result<(), StoreError> {
         without_journal(connection)?;
         put_mark(connection, Mark::Store)?;
     }
-    if journal_mode(connection)? != "wal" {
+    let mode: String = connection.pragma_query_value(None, "journal_mode", |row| row.get(0))?;
+    if mode != "wal" {
         without_journal(connection)?;
         connection.pragma_update_and_check(None, "journal_mode", "WAL", |_| Ok(()))?;
     }
@@ -130,10 +131,6 @@ pub(crate) fn write_ahead(connection: &Connection) -> Result<(), StoreError> {
 pub(crate) fn without_journal(connection: &Connection) -> Result<(), StoreError> {
     connection.pragma_update_and_check(None, "journal_mode", "MEMORY", |_| Ok(()))?;
     Ok(())
-}
-
-fn journal_mode(connection: &Connection) -> Result<String, StoreError> {
-    Ok(connection.pragma_query_value(None, "journal_mode", |row| row.get(0))?)
 }
 
 /// The type of a file, if it is known.

@@ -114,8 +114,7 @@ impl ReadingState {
                 }
             }
             Event::PlaceWall { level, side, column_px, row_px } => {
-                let vertebra = self.vertebrae.entry(level).or_default();
-                vertebra.walls.insert(side, [column_px, row_px]);
+                self.vertebrae.entry(level).or_default().walls.insert(side, [column_px, row_px]);
             }
             Event::PlacePedicle { level, side, column_px, row_px } => {
                 let vertebra = self.vertebrae.entry(level).or_default();
