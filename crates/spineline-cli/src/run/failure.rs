@@ -9,7 +9,6 @@ use spineline::fault::Remedy;
 use spineline_films::intake::IntakeError;
 use spineline_landmarks::LandmarkError;
 use spineline_report::terminal::Lines;
-use spineline_store::StoreError;
 use spineline_tables::TableError;
 
 /// Exit code of a fault of the program.
@@ -122,8 +121,8 @@ impl Failure {
         Self::new(INTERRUPTED, what, None)
     }
 
-    /// A file that cannot be read as its format.
-    pub fn file(path: &Path, error: &spineline_files::FileError) -> Self {
+    /// A file that cannot be read as its format, or a store that refused; the message begins with its name.
+    pub fn file(path: &Path, error: &impl Remedy) -> Self {
         Self::files(error.to_string(), error.help()).naming(path)
     }
 
@@ -133,11 +132,6 @@ impl Failure {
             LandmarkError::File(error) => Self::file(path, error),
             _ => Self::of(path.display(), error),
         }
-    }
-
-    /// A store that refused.
-    pub fn store(path: &Path, error: &StoreError) -> Self {
-        Self::files(error.to_string(), error.help()).naming(path)
     }
 
     fn files(what: String, help: impl Into<String>) -> Self {

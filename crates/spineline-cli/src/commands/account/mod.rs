@@ -23,7 +23,7 @@ const MAX_INPUT_BYTES: u64 = 4096;
 
 pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
-    let fail = |error: StoreError| Failure::store(path, &error);
+    let fail = |error: StoreError| Failure::file(path, &error);
     if let AccountCommand::List { .. } = args.command {
         return print(Lines::of_text(&list(&Store::view(path).map_err(fail)?).map_err(fail)?));
     }
@@ -76,7 +76,7 @@ fn change(command: &AccountCommand, account: &Name) -> Result<AccountChange, Fai
 
 fn password(store: &Path, account: &Name, from_stdin: bool) -> Result<PasswordHash, Failure> {
     let text = if from_stdin { first_line()? } else { asked()? };
-    PasswordHash::new(&text, account).map_err(|error| Failure::store(store, &error))
+    PasswordHash::new(&text, account).map_err(|error| Failure::file(store, &error))
 }
 
 fn first_line() -> Result<String, Failure> {

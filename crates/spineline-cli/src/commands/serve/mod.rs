@@ -126,17 +126,17 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
 
 /// Makes the study of a case in a new store.
 fn add_study(args: &ServeArgs, store: &mut Store, case: &Path) -> Result<(), Failure> {
-    let fail = |error| Failure::store(&args.store, &error);
+    let fail = |error| Failure::file(&args.store, &error);
     print(add_case(store, fail, case, false, &signature(&args.store)?)?).map(|_| ())
 }
 
 fn signature(store: &Path) -> Result<Signature, Failure> {
-    let name = Name::new("serve").map_err(|error| Failure::store(store, &error))?;
+    let name = Name::new("serve").map_err(|error| Failure::file(store, &error))?;
     Ok(Signature::new(name, SystemTime::now().into()))
 }
 
 fn open(args: &ServeArgs) -> Result<Store, Failure> {
-    let fail = |error| Failure::store(&args.store, &error);
+    let fail = |error| Failure::file(&args.store, &error);
     // An empty file becomes a store, like a missing one.
     if std::fs::metadata(&args.store).is_ok_and(|found| !found.is_file() || found.len() > 0) {
         let store = Store::open(&args.store).map_err(fail)?;
@@ -167,7 +167,7 @@ fn check_clock() -> Result<(), Failure> {
 fn check(args: &ServeArgs, store: &Store, access: Access) -> Result<(), Failure> {
     let name = args.store.display();
     if access == Access::Accounts {
-        let accounts = store.accounts().map_err(|error| Failure::store(&args.store, &error))?;
+        let accounts = store.accounts().map_err(|error| Failure::file(&args.store, &error))?;
         if !accounts.iter().any(|account| account.enabled && account.role == Role::Admin) {
             let why = if args.accounts { "--accounts" } else { "an address other than loopback" };
             let what = format!("{why} requires an admin account, and the store has none");

@@ -28,7 +28,7 @@ use crate::run::outputs::{Outputs, print, width};
 
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
-    let fail = |error: StoreError| Failure::store(path, &error);
+    let fail = |error: StoreError| Failure::file(path, &error);
     let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, SystemTime::now().into()));
     match &args.command {
         StudyCommand::Create { .. } => {
@@ -86,7 +86,7 @@ fn plan(
     design: PlanDesign,
     by: &Signature,
 ) -> Result<Ending, Failure> {
-    let fail = |error: StoreError| Failure::store(path, &error);
+    let fail = |error: StoreError| Failure::file(path, &error);
     let mut store = Store::open(path).map_err(fail)?;
     let observers = observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
     let study = store_name(study)?;
@@ -102,7 +102,7 @@ fn plan(
 }
 
 fn next(path: &Path, study: &str, observer: &str) -> Result<Ending, Failure> {
-    let fail = |error: StoreError| Failure::store(path, &error);
+    let fail = |error: StoreError| Failure::file(path, &error);
     let store = view(path)?;
     let (study, observer) = (store_name(study)?, store_name(observer)?);
     let next =
@@ -115,7 +115,7 @@ fn next(path: &Path, study: &str, observer: &str) -> Result<Ending, Failure> {
 }
 
 fn release(path: &Path, study: &str, by: &Signature) -> Result<Ending, Failure> {
-    let fail = |error: StoreError| Failure::store(path, &error);
+    let fail = |error: StoreError| Failure::file(path, &error);
     let study = store_name(study)?;
     let readings = Store::open(path).and_then(|mut store| store.release_washout(&study, by));
     let readings = readings.map_err(fail)?;
@@ -128,7 +128,7 @@ fn release(path: &Path, study: &str, by: &Signature) -> Result<Ending, Failure> 
 fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Ending, Failure> {
     outputs.declare(out)?;
     let exported = view(path)?.export_case(&store_name(study)?);
-    let exported = exported.map_err(|error| Failure::store(path, &error))?;
+    let exported = exported.map_err(|error| Failure::file(path, &error))?;
     for remark in &exported.remarks {
         say(format!("note: {remark}"));
     }
@@ -139,7 +139,7 @@ fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Endi
 
 /// Opens a store for reading.
 fn view(path: &Path) -> Result<Store, Failure> {
-    Store::view(path).map_err(|error| Failure::store(path, &error))
+    Store::view(path).map_err(|error| Failure::file(path, &error))
 }
 
 /// The error for an observer who is not in the plan.
@@ -229,13 +229,13 @@ fn shown_object(object: &str) -> String {
 }
 
 fn verify(path: &Path, head: Option<&Head>) -> Result<Ending, Failure> {
-    let verification = view(path)?.verify(head).map_err(|error| Failure::store(path, &error))?;
+    let verification = view(path)?.verify(head).map_err(|error| Failure::file(path, &error))?;
     report(path, &verification)
 }
 
 fn restore(backup: &Path, path: &Path) -> Result<Ending, Failure> {
     interrupt::begin_writing();
-    let restored = Store::restore(backup, path).map_err(|error| Failure::store(path, &error))?;
+    let restored = Store::restore(backup, path).map_err(|error| Failure::file(path, &error))?;
     if !restored.verification.is_clean() {
         say(format!("{} was not changed: the backup is damaged.", path.display()));
         return report(backup, &restored.verification);
