@@ -47,10 +47,6 @@ pub(super) const OTHER_MODALITIES: [&str; 29] = [
     "RTRECORD", "AU", "HD", "GM",
 ];
 
-pub(super) fn is_radiograph(modality: &str) -> bool {
-    RADIOGRAPHS.contains(&modality)
-}
-
 /// Reads the attributes, and refuses everything except for a single grey radiograph.
 pub(super) fn read(
     data: &DataSet<'_>,
@@ -139,7 +135,7 @@ fn modality(
     remarks: &mut Vec<FilmRemark>,
 ) -> Result<Option<String>, FilmError> {
     match data.text(MODALITY) {
-        Some(text) if is_radiograph(&text) => Ok(Some(text)),
+        Some(text) if RADIOGRAPHS.contains(&text.as_str()) => Ok(Some(text)),
         Some(text) => {
             let known = OTHER_MODALITIES.contains(&text.as_str());
             Err(FilmError::Modality { modality: known.then_some(text) })

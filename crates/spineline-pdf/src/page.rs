@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use spineline_files::{case_ids, content_words};
 use spineline_report::Document;
-use spineline_report::document::{Block, Notice, NoticeKind, Section, Table};
+use spineline_report::document::{Block, Notice, NoticeKind, Table};
 
 use crate::columns::{EDGES_PT, fit};
 use crate::text::Letters;
@@ -53,7 +53,11 @@ pub(crate) fn page(document: &Document, letters: &Letters, missing: Option<&str>
     let sections: Vec<Value> = document
         .sections
         .iter()
-        .map(|section| section_value(section, letters, &mut figures))
+        .map(|section| {
+            let blocks = section.blocks.iter();
+            let blocks = blocks.map(|block| block_value(block, letters, &mut figures));
+            json!({ "title": letters.words(&section.title), "blocks": blocks.collect::<Vec<_>>() })
+        })
         .collect();
     json!({
         "title": letters.words(&document.title),
@@ -73,12 +77,6 @@ fn shortened(text: &str) -> String {
         return text.to_owned();
     }
     text.chars().take(FOOTER - 1).chain(['…']).collect()
-}
-
-fn section_value(section: &Section, letters: &Letters, figures: &mut usize) -> Value {
-    let blocks: Vec<Value> =
-        section.blocks.iter().map(|block| block_value(block, letters, figures)).collect();
-    json!({ "title": letters.words(&section.title), "blocks": blocks })
 }
 
 fn block_value(block: &Block, letters: &Letters, figures: &mut usize) -> Value {

@@ -37,18 +37,13 @@ pub fn apart_with<T: Send + 'static>(
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, receiver) = channel();
     let seen = Arc::clone(&stop);
-    worker().spawn(move || sender.send(work(&seen)).ok()).map_err(not_started)?;
+    let worker = Builder::new().name("spineline".to_owned());
+    worker.spawn(move || sender.send(work(&seen)).ok()).map_err(|error| {
+        PyRuntimeError::new_err(format!("a thread could not be started: {error}"))
+    })?;
     let result = received(py, receiver, at_check);
     stop.store(result.is_err(), Ordering::Relaxed);
     result
-}
-
-fn worker() -> Builder {
-    Builder::new().name("spineline".to_owned())
-}
-
-fn not_started(error: std::io::Error) -> PyErr {
-    PyRuntimeError::new_err(format!("a thread could not be started: {error}"))
 }
 
 /// Waits for a worker's message, or for an exception of a signal handler or of the function.

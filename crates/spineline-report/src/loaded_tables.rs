@@ -5,7 +5,7 @@ use spineline::measure::Outline;
 use spineline::multibody::{Equilibrium, ForceSign, Goal, PathEnding};
 use spineline::number::{fixed, scientific};
 use spineline::response::{
-    ActingKind, GoalEquilibrium, LoadedMeasure, LoadedQuantity, LoadedState, Verdict, acting_loads,
+    ActingKind, LoadedMeasure, LoadedQuantity, LoadedState, Verdict, acting_loads,
     largest_displacement_mm, largest_hinge, loaded_measures,
 };
 use spineline::spatial::{moment_words, vector_words};
@@ -185,7 +185,13 @@ impl LoadedTables<'_> {
             add.numbers(sentence_case(&self.lateral_tilt()), |met| {
                 met.equilibrium.deformed.lateral_tilt().leaning()
             });
-            add.words("Verdict", |met| verdict_words(met));
+            add.words("Verdict", |met| match met.verdict {
+                Verdict::Reached => "chosen: smallest factor on the erect branch",
+                Verdict::Later => "not chosen: larger factor, or later on the path",
+                Verdict::BeyondLimitPoint => "not chosen: beyond a limit point (snapped)",
+                Verdict::BeyondHumanRange => "not chosen: beyond the human range of motion",
+                Verdict::BeyondBranchPoint => "not chosen: beyond a branch point (buckled)",
+            });
         })
     }
 
@@ -254,15 +260,5 @@ impl LoadedTables<'_> {
     fn end_names(&self) -> [&'static str; 2] {
         let levels = &self.simulated.model.levels;
         [levels.first(), levels.last()].map(|level| level.map_or("?", |l| l.name()))
-    }
-}
-
-fn verdict_words(met: &GoalEquilibrium) -> &'static str {
-    match met.verdict {
-        Verdict::Reached => "chosen: smallest factor on the erect branch",
-        Verdict::Later => "not chosen: larger factor, or later on the path",
-        Verdict::BeyondLimitPoint => "not chosen: beyond a limit point (snapped)",
-        Verdict::BeyondHumanRange => "not chosen: beyond the human range of motion",
-        Verdict::BeyondBranchPoint => "not chosen: beyond a branch point (buckled)",
     }
 }

@@ -1,7 +1,7 @@
 //! The reliability of readings as a document: one row per quantity, or all statistics of every quantity and design.
 
 use spineline::reliability::{
-    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, Statistic, StatisticKind,
+    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, StatisticKind,
     shown_measure,
 };
 use spineline::warning::counted;
@@ -132,7 +132,9 @@ fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {
     ];
     let mut table = Table::new(format!("{caption} ({})", n.join(", ")), columns);
     for statistic in &design.statistics {
-        table.row(statistic_row(statistic, unit));
+        let (value, interval) = statistic.shown();
+        let unit = if statistic.kind.has_unit() { unit } else { "1" }.to_owned();
+        table.row(vec![statistic.kind.to_string(), value.unwrap_or_else(none), interval, unit]);
     }
     for pair in &design.bland_altman {
         table.rows.extend(agreement_rows(pair, unit));
@@ -142,12 +144,6 @@ fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {
     for remark in design.remarks.iter().filter(|one| !matches!(one, Remark::Copied { .. })) {
         section.notice(Notice::new(NoticeKind::Note, format!("{remark}.")));
     }
-}
-
-fn statistic_row(statistic: &Statistic, unit: &str) -> Vec<String> {
-    let (value, interval) = statistic.shown();
-    let unit = if statistic.kind.has_unit() { unit } else { "1" };
-    vec![statistic.kind.to_string(), value.unwrap_or_else(none), interval, unit.to_owned()]
 }
 
 /// The rows of a table for bias and limits of agreement.

@@ -11,7 +11,6 @@ use crate::run::failure::Failure;
 use crate::run::outputs::Outputs;
 use crate::run::provenance::in_svg;
 
-/// A figure as a file.
 pub struct FigureFile {
     name: String,
     svg: String,

@@ -11,7 +11,6 @@ use spineline::cohort::Workers;
 use super::failure::Failure;
 use super::progress::bar;
 
-/// A pool of threads.
 pub struct Pool(rayon::ThreadPool);
 
 impl Pool {

@@ -17,15 +17,13 @@ const DIALECT: Dialect = Dialect {
 /// Beginnings of the columns of the force and of its point.
 pub(super) const FORCE: [&str; 2] = ["film_force_v", "film_force_p"];
 
-fn force_columns() -> impl Iterator<Item = String> {
-    FORCE.into_iter().flat_map(|name| ["x", "y", "z"].map(|axis| format!("{name}{axis}")))
-}
-
 /// The whole file.
 pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &str) -> String {
     let hinges: Vec<&str> =
         assembly.joints.iter().flat_map(|joint| &joint.hinges).map(|h| &*h.name).collect();
-    let columns = hinges.into_iter().map(str::to_owned).chain(force_columns());
+    let force =
+        FORCE.into_iter().flat_map(|name| ["x", "y", "z"].map(|axis| format!("{name}{axis}")));
+    let columns = hinges.into_iter().map(str::to_owned).chain(force);
     let columns: Vec<String> = ["time".to_owned()].into_iter().chain(columns).collect();
     let mut rows = vec![("erect", vec![0.0; columns.len() - 1])];
     for film in &assembly.films {

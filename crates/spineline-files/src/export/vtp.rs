@@ -15,11 +15,6 @@ const DESCRIBED: [&str; 2] = [
     "LPS in mm, as in 3D Slicer's files: x to the patient's left, y posterior, z cranial. It is Spineline's y, −x, z.",
 ];
 
-/// From `G` to LPS.
-fn to_lps(v: &Vec3) -> Vec3 {
-    Vec3::new(v.y, -v.x, v.z)
-}
-
 /// The whole file.
 pub(super) fn text(model: &PersonalisedModel, vertebrae: &[Vertebra], generator: &str) -> String {
     let count = |number: usize| number.to_string();
@@ -67,7 +62,8 @@ fn surface(xml: &mut Document, vertebrae: &[Vertebra]) {
     for body in vertebrae {
         for corner in corners() {
             let m = body.midpoint_m + body.axes * corner.component_mul(&body.size_m);
-            places_mm.extend_from_slice((to_lps(&m) * 1000.0).as_slice());
+            let in_lps_m = Vec3::new(m.y, -m.x, m.z);
+            places_mm.extend_from_slice((in_lps_m * 1000.0).as_slice());
         }
     }
     xml.open("Points", &[]);

@@ -207,7 +207,9 @@ fn keep(
     object: &InMemDicomObject,
     options: &DeidOptions,
 ) -> Option<(InMemElement, DeidAction)> {
-    let vr = known_vr(tag, stated);
+    // For an unknown value representation, the standard's.
+    let known = StandardDataDictionary.by_tag(tag.into()).map(|entry| entry.vr().relaxed());
+    let vr = known.filter(|_| stated == VR::UN).unwrap_or(stated);
     let text = || short_text(tag, object);
     let as_text = |vr: VR, text: &str| (element(tag, vr, text), DeidAction::Kept);
     match rule(tag) {
@@ -268,12 +270,6 @@ fn number(tag: Attribute, vr: VR, object: &InMemDicomObject) -> Option<InMemElem
         }
         _ => None,
     }
-}
-
-/// The value representation; for unknown ones, the standard's.
-fn known_vr(tag: Attribute, stated: VR) -> VR {
-    let known = StandardDataDictionary.by_tag(tag.into()).map(|entry| entry.vr().relaxed());
-    known.filter(|_| stated == VR::UN).unwrap_or(stated)
 }
 
 /// The cleaned pixels as an element.

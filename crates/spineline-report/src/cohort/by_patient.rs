@@ -24,7 +24,6 @@ pub struct PatientRow {
     models: Box<[ModelRow]>,
     /// Contradictions, warnings and notes.
     notices: [usize; 3],
-    /// Doubted films.
     doubted_films: Option<Box<str>>,
     hypotheses: Box<[HypothesisScores]>,
 }
@@ -44,12 +43,6 @@ struct ModelRow {
 const KINDS_OF_NOTICES: [NoticeKind; 3] =
     [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
 
-/// Doubted films of a patient.
-fn doubted_films(analysis: &Analysis) -> Option<Box<str>> {
-    let films = patient::doubted_films(analysis);
-    (!films.is_empty()).then(|| films.join(", ").into())
-}
-
 impl PatientRow {
     /// Most patients in a table of a terminal.
     pub const MAX_SHOWN: usize = 200;
@@ -57,6 +50,7 @@ impl PatientRow {
     /// The row of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
+        let doubted = patient::doubted_films(analysis);
         Self {
             case_id: analysis.case_id.as_str().into(),
             synthetic: analysis.synthetic,
@@ -64,7 +58,7 @@ impl PatientRow {
             inflections: analysis.movement.inflections.all.len(),
             models: analysis.models.iter().map(|model| ModelRow::of(analysis, model)).collect(),
             notices: KINDS_OF_NOTICES.map(|kind| notices(analysis, kind)),
-            doubted_films: doubted_films(analysis),
+            doubted_films: (!doubted.is_empty()).then(|| doubted.join(", ").into()),
             hypotheses: HypothesisScores::all(&analysis.hypotheses).into(),
         }
     }

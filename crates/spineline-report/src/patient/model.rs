@@ -249,19 +249,16 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
             format!("{} of {}", s.contradicted.len(), s.joints())
         });
     });
+    let mut films = analysis.movement.films.iter();
+    let interpolated = films.any(|film| film.outline.interpolated().next().is_some());
     let levels = analysis.movement.levels().as_slice();
     table.note = format!(
         "Location error: distance between simulated and measured midpoints, {} to {}{}. Ferguson errors: three regions, caudal first. Counter-rotating joints turn against the moment of the force.",
         levels[1],
         levels[levels.len() - 1],
-        if is_interpolated(analysis) { ", without interpolated vertebrae" } else { "" }
+        if interpolated { ", without interpolated vertebrae" } else { "" }
     );
     table
-}
-
-/// Whether some film lacks a vertebra of the model.
-fn is_interpolated(analysis: &Analysis) -> bool {
-    analysis.movement.films.iter().any(|posture| posture.outline.interpolated().next().is_some())
 }
 
 /// The lines on the same films, every bend left out once.

@@ -159,11 +159,6 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
     section
 }
 
-/// Text after an interval that is valid only if the model is exact.
-fn if_exact(quantity: AnalysisQuantity) -> &'static str {
-    quantity.interval_caveat().map_or("", |_| " (if the model is exact)")
-}
-
 /// Standard deviations of the measured vertebrae, film by film.
 fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
     let columns = vec![
@@ -224,7 +219,9 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
         add.numbers("sd", |one| one.spread.map_or_else(none, |s| fixed(s.sd, 2)));
         add.words("95 % interval", |one| match one.interval_95() {
             Some([low, high]) => {
-                format!("{} to {}{}", number(one, low), number(one, high), if_exact(one.quantity))
+                let caveat = one.quantity.interval_caveat();
+                let caveat = caveat.map_or("", |_| " (if the model is exact)");
+                format!("{} to {}{caveat}", number(one, low), number(one, high))
             }
             None if one.at_bound => "none: at its bound".to_owned(),
             None => none(),

@@ -25,7 +25,6 @@ use super::resolve::ResolvedFilm;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
 
-/// Landmarks by posture.
 pub type LandmarksByPosture = BTreeMap<Posture, FilmLandmarks>;
 
 impl ResolvedFilm {

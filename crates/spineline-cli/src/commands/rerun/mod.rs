@@ -77,7 +77,9 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     }
     let stored = stored(&args.file)?;
     let to_stdout = args.json.as_ref().is_some_and(|path| is_stdout(path));
-    let mut same = stored.origin.is_as_printed();
+    let Origin { form, content } = stored.origin;
+    // Whether the parts that are not compared are unchanged.
+    let mut same = form == Form::Analysis || content != Content::Changed;
     let (mut text, mut again) = (Lines::default(), Vec::new());
     for old in &stored.analyses {
         let repeated = Repeated::of(args, old)?;
@@ -168,11 +170,6 @@ struct Origin {
 }
 
 impl Origin {
-    /// Whether the parts that are not compared are unchanged.
-    fn is_as_printed(self) -> bool {
-        self.form == Form::Analysis || self.content != Content::Changed
-    }
-
     const fn words(self) -> &'static str {
         match (self.form, self.content) {
             (Form::Analysis, Content::AsWritten) => "File: as it was written",
