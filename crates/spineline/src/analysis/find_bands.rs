@@ -106,10 +106,6 @@ impl Known {
         Some(self.film(covariance?, &found.shape))
     }
 
-    fn has_given(&self) -> bool {
-        self.by_given_place_and_tilt.is_some()
-    }
-
     fn film<'a>(
         &'a self,
         covariance: &'a FilmCovariance,
@@ -182,7 +178,8 @@ impl Analysis {
                 FilmPredictor::Line(kind) => mean_square_of_line(kind),
                 FilmPredictor::LineWithTilt(_) => MEAN_SQUARE_WITH_TILT,
                 FilmPredictor::Baseline(one) => {
-                    mean_square_of_baseline(one, films[i].1.is_some_and(Known::has_given))
+                    let given = films[i].1.and_then(|known| known.by_given_place_and_tilt.as_ref());
+                    mean_square_of_baseline(one, given.is_some())
                 }
             };
             let found = of_method(&predicted, regions, of_others, is_left_out);

@@ -188,13 +188,10 @@ fn joints_against(bends: &[BendEvidence]) -> String {
     listed(&parts.collect::<Vec<_>>())
 }
 
-fn is_rejecting(bend: &BendEvidence) -> bool {
-    bend.outcome() == TestOutcome::Rejected
-}
-
 /// Which bends reject the line, and why: joints that turn against it, and the place of the load.
 fn rejection(kind: LineKind, found: &Compatibility) -> Option<String> {
-    let against: Vec<BendEvidence> = found.bends.iter().copied().filter(is_rejecting).collect();
+    let rejects = |bend: &BendEvidence| bend.outcome() == TestOutcome::Rejected;
+    let against: Vec<BendEvidence> = found.bends.iter().copied().filter(rejects).collect();
     if against.is_empty() {
         return None;
     }

@@ -32,8 +32,8 @@ impl<'a> Seen<'a> {
         let mut found: Vec<(u8, BaselinePrediction)> = Vec::new();
         for place in FilmRole::PREDICTED.into_iter().flat_map(|role| patient.places(role)) {
             let posture = patient.compared[usize::from(place)].0;
-            let film = patient.film_from_top(posture).filter(|_| patient.has_lengths(posture));
-            let Some(film) = film else { continue };
+            let film = patient.from_top.iter().find(|film| film.posture == posture);
+            let Some(film) = film.filter(|_| patient.has_lengths(posture)) else { continue };
             let from_mean =
                 mean.map(|mean| film.by_pattern(Baseline::OtherPatients, mean, &patient.links));
             found.extend(from_mean.map(|one| (place, one)));

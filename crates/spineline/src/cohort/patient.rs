@@ -224,11 +224,6 @@ impl CohortPatient {
             .collect()
     }
 
-    /// A film other than the erect one, as T2 predicts it.
-    pub(super) fn film_from_top(&self, posture: Posture) -> Option<&FilmFromTop> {
-        self.from_top.iter().find(|film| film.posture == posture)
-    }
-
     /// Places in `compared` of the films of a role.
     pub(super) fn places(&self, role: FilmRole) -> impl Iterator<Item = u8> {
         let films = (0..).zip(&self.compared).filter(move |(_, film)| film.1 == role);

@@ -316,7 +316,8 @@ impl<'a> TopFit<'a> {
         let rotations = self.rotations_at(x);
         let carried = self.links.carried(&rotations);
         let simulated = carried.top() * log.exp();
-        let rates = carried.top_rates() * log.exp() * &self.rotations.basis;
+        let top = carried.upper_halves.len();
+        let rates = carried.rates_of(top) * log.exp() * &self.rotations.basis;
         let weight = 1.0 / self.film.top_sd_mm;
         let off = simulated - self.film.top;
         for (row, (off, by_log)) in
@@ -413,12 +414,7 @@ impl Carried {
         self.locations.last().copied().unwrap_or_default()
     }
 
-    /// How the top moves with every joint: two rows, `y` and `z`.
-    fn top_rates(&self) -> DMatrix<f64> {
-        self.rates_of(self.upper_halves.len())
-    }
-
-    /// How a vertebra moves with every joint.
+    /// How a vertebra moves with every joint: two rows, `y` and `z`.
     fn rates_of(&self, vertebra: usize) -> DMatrix<f64> {
         let place = self.locations[vertebra];
         let mut rates = DMatrix::zeros(2, self.upper_halves.len());

@@ -1,8 +1,6 @@
 //! The length of an outline against the erect one.
 
-use super::{
-    FilmLength, FilmLengthRule, FilmScale, LengthScale, Measured, MeasuredVertebra, Outline,
-};
+use super::{FilmLength, FilmLengthRule, FilmScale, Measured, MeasuredVertebra, Outline};
 use crate::spatial::Frontal;
 
 impl FilmLength {
@@ -24,7 +22,9 @@ impl FilmLength {
         let has_length = [measured.factor.ln(), measured.log_sd].iter().all(|one| one.is_finite());
         let prior_log_sd = match rule {
             FilmLengthRule::PerFilm { relative_sd } if has_scale && has_length => {
-                stated_sd(&erect.scale, &film.scale).unwrap_or(relative_sd).min(Self::MAX_LOG_SD)
+                let stated = erect.scale.relative_sd.zip(film.scale.relative_sd);
+                let sd = stated.map_or(relative_sd, |(erect, film)| erect.hypot(film));
+                sd.min(Self::MAX_LOG_SD)
             }
             _ => 0.0,
         };
@@ -37,11 +37,6 @@ impl FilmLength {
         };
         Self { measured, prior_log_sd, scale }
     }
-}
-
-/// Standard deviation of the ratio of two scales, where both are stated.
-fn stated_sd(erect: &LengthScale, film: &LengthScale) -> Option<f64> {
-    Some(erect.relative_sd?.hypot(film.relative_sd?))
 }
 
 fn measured_scale(erect: &Outline, film: &Outline) -> FilmScale {
