@@ -50,9 +50,6 @@ impl Attributes<'_> {
 }
 
 /// The entries of an answer to a search.
-///
-/// # Errors
-/// The error in the answer, as text.
 pub fn entries(body: &[u8]) -> Result<Vec<Value>, &'static str> {
     // Some archives answer a search without matches with an empty body.
     if body.is_empty() {

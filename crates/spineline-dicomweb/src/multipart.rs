@@ -3,9 +3,6 @@
 use memchr::memmem;
 
 /// The content of the first part, which must be the only one.
-///
-/// # Errors
-/// The error in the answer.
 pub(crate) fn only_part(content_type: &str, body: Vec<u8>) -> Result<Vec<u8>, &'static str> {
     let kind = content_type.split(';').next().unwrap_or_default().trim().to_ascii_lowercase();
     if kind == "application/dicom" {

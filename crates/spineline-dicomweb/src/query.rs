@@ -335,8 +335,6 @@ pub(crate) const OF_SERIES: [&str; 7] = [
 pub(crate) const OF_FILM: [&str; 4] =
     [answer::INSTANCE_NUMBER, answer::COLUMNS, answer::ROWS, answer::VIEW_POSITION];
 
-/// # Errors
-/// The error in the entry.
 pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
     let of = Attributes(entry);
     let uid = SeriesUid::new(&of.uid(answer::STUDY_UID)?, &of.uid(answer::SERIES_UID)?);
@@ -356,8 +354,6 @@ pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
     })
 }
 
-/// # Errors
-/// The error in the entry.
 pub(crate) fn film(of_series: &SeriesUid, entry: &Value) -> Result<FilmFound, &'static str> {
     let of = Attributes(entry);
     let asked = [(answer::STUDY_UID, of_series.study()), (answer::SERIES_UID, of_series.series())];

@@ -186,9 +186,6 @@ pub fn pool(threads: usize) -> PyResult<ThreadPool> {
 }
 
 /// Runs all replicates, or those before the flag is set, and counts the finished ones.
-///
-/// # Errors
-/// If the noise cannot be applied to this case.
 pub fn run_replicates(
     case: &Case,
     nominal: &Found,

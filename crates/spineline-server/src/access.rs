@@ -46,9 +46,6 @@ pub fn seen_reading(store: &Store, user: &User, reading: ReadingId) -> Answer<Se
 }
 
 /// Results of the finished readings of a study; the store is not locked during the computation.
-///
-/// # Errors
-/// As [`Store::current_case`].
 pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyResult>> {
     let (cache, name) = (state.clone(), study.clone());
     let found = state.store(move |store| {
@@ -104,9 +101,6 @@ pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Na
 }
 
 /// Results of a study that the requester may see.
-///
-/// # Errors
-/// As [`open_study`] and [`study_result`].
 pub async fn open_result(state: &AppState, user: &User, study: &str) -> Answer<Arc<StudyResult>> {
     study_result(state, &open_study(state, user, study).await?).await
 }

@@ -44,9 +44,6 @@ pub struct Server {
 
 impl Server {
     /// Listens.
-    ///
-    /// # Errors
-    /// Errors of binding the port.
     pub async fn bind(
         store: Store,
         address: SocketAddr,
@@ -56,9 +53,6 @@ impl Server {
     }
 
     /// Uses an existing listener.
-    ///
-    /// # Errors
-    /// Errors of reading the listener's address.
     pub fn on(listener: TcpListener, store: Store, options: ServeOptions) -> std::io::Result<Self> {
         let state = AppState::new(store, listener.local_addr()?, options);
         Ok(Self { listener, state })

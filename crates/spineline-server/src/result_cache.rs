@@ -138,9 +138,6 @@ impl ResultCache {
     }
 
     /// Results of the finished readings of a study, computed if not cached.
-    ///
-    /// # Errors
-    /// As [`Store::current_case`].
     pub fn result(&self, store: &Store, study: &Name) -> Result<Arc<StudyResult>, StoreError> {
         let sequence = store.last_result_change(study)?.sequence;
         if let Some(result) = self.get(study, sequence) {

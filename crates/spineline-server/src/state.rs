@@ -136,9 +136,6 @@ impl AppState {
     }
 
     /// Runs a query of the store on a thread that may wait for the disk.
-    ///
-    /// # Errors
-    /// Errors of the store, or a panic of the query.
     pub async fn store<T: Send + 'static>(
         &self,
         ask: impl FnOnce(&mut Store) -> Result<T, StoreError> + Send + 'static,
@@ -148,9 +145,6 @@ impl AppState {
 
     /// Runs a query of the store that may also be refused for other reasons, such as
     /// [`User::on_study`](crate::user::User::on_study).
-    ///
-    /// # Errors
-    /// Errors of the query, or its panic.
     pub async fn ask<T: Send + 'static>(
         &self,
         ask: impl FnOnce(&mut Store) -> Answer<T> + Send + 'static,

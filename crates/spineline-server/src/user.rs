@@ -116,9 +116,6 @@ pub async fn user_of(state: &AppState, headers: &HeaderMap) -> Answer<User> {
 }
 
 /// The user of a session by its secret; the session does not count as used.
-///
-/// # Errors
-/// As [`user_of`].
 pub fn user_behind(store: &Store, secret: &str, access: Access, now: Timestamp) -> Answer<User> {
     let session = store.session_unused(secret, now, LIMITS)?;
     user(store, session, access)

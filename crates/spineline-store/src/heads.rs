@@ -67,9 +67,6 @@ pub(crate) struct HeadFile {
 
 impl HeadFile {
     /// Opens or makes it, with these heads.
-    ///
-    /// # Errors
-    /// [`StoreError::File`].
     pub fn open(store: &Path, heads: Heads) -> Result<Self, StoreError> {
         let path: PathBuf = beside(store, HEADS);
         let mut options = OpenOptions::new();
@@ -104,9 +101,6 @@ impl HeadFile {
 }
 
 /// Removes the heads of a store of this name; opening the store makes them again.
-///
-/// # Errors
-/// [`StoreError::File`].
 pub(crate) fn forget(store: &Path) -> Result<(), StoreError> {
     let path = beside(store, HEADS);
     remove(&path).map_err(|source| StoreError::File { path, source })

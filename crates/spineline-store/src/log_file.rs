@@ -27,9 +27,6 @@ pub(crate) enum LogContent {
 
 impl LogContent {
     /// Reads a log file.
-    ///
-    /// # Errors
-    /// Errors of reading.
     pub fn of(log: &Path) -> io::Result<Self> {
         let mut content = Self::Nothing;
         for _ in 0..TRIES {

@@ -50,9 +50,6 @@ impl Part {
     }
 
     /// Gives it its name and replaces the file of that name.
-    ///
-    /// # Errors
-    /// [`StoreError::File`].
     pub fn replace(mut self) -> Result<(), StoreError> {
         let failed = |source| StoreError::File { path: self.target.clone(), source };
         File::open(&self.path).and_then(|file| file.sync_all()).map_err(failed)?;

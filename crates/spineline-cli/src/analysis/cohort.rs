@@ -17,9 +17,6 @@ use crate::run::threads::{Pool, map_all};
 pub const BOOTSTRAP_SEED: u64 = 1;
 
 /// Statistics over all patients, with a seed of the bootstrap; 0 threads uses all cores.
-///
-/// # Errors
-/// If the threads cannot be started.
 pub fn of(patients: &[CohortPatient], seed: u64, threads: usize) -> Result<Cohort, Failure> {
     let pool = Pool::new(threads)?;
     // Half a minute for 100,000 patients.

@@ -12,9 +12,6 @@ use crate::run::threads::stream_all;
 use crate::run::{interrupt, progress};
 
 /// Runs the requested replicates. Ctrl-C ends them early, and the finished ones count.
-///
-/// # Errors
-/// If the noise cannot be applied to this case.
 pub fn run_replicates(
     case: &Case,
     nominal: &Analysis,
@@ -29,9 +26,6 @@ pub fn run_replicates(
 }
 
 /// Runs these replicates of a model under loads; `measures` are the nominal results.
-///
-/// # Errors
-/// If the threads cannot be started.
 pub fn run_loaded_replicates(
     monte_carlo: &MonteCarlo<'_>,
     loads: &AppliedLoads<'_>,
@@ -59,9 +53,6 @@ pub fn interruption(case_id: &str, done: u64, asked: u64) -> Notice {
 }
 
 /// Prepares the requested replicates.
-///
-/// # Errors
-/// If the noise cannot be applied to this case.
 pub fn monte_carlo<'a>(
     case: &Case,
     nominal: &'a Analysis,

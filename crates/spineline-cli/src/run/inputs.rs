@@ -111,9 +111,6 @@ pub struct CaseInput {
 
 impl CaseInput {
     /// Reads a case, or the case within an analysis.
-    ///
-    /// # Errors
-    /// As the library's readers.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let failed = |error| Failure::file(path, &error);
         refuse_picture(path)?;

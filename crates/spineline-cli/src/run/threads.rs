@@ -15,9 +15,6 @@ pub struct Pool(rayon::ThreadPool);
 
 impl Pool {
     /// A pool of `threads` threads; 0 uses all cores.
-    ///
-    /// # Errors
-    /// If they cannot be started.
     pub fn new(threads: usize) -> Result<Self, Failure> {
         let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let failed = |error| Failure::internal(format!("threads could not be started: {error}"));
@@ -32,9 +29,6 @@ impl Workers for Pool {
 }
 
 /// Runs a function on all items in parallel and keeps their order; 0 threads uses all cores.
-///
-/// # Errors
-/// If the threads cannot be started.
 pub fn map_all<T: Sync, R: Send>(
     what: &str,
     items: &[T],

@@ -20,9 +20,6 @@ pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
 }
 
 /// The same from the bytes of a file; errors use this name.
-///
-/// # Errors
-/// As [`read_source`].
 pub fn parse_source(bytes: &[u8], name: &str) -> Result<SourceImage, LandmarkExportError> {
     let unfit = |reason: &str| LandmarkExportError::Source(format!("{name}: {reason}"));
     let object = read_data_set(bytes).map_err(|error| unfit(&error.to_string()))?;

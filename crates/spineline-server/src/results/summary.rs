@@ -40,9 +40,6 @@ pub fn summary(
 }
 
 /// Results of a study, or why its films do not form a case.
-///
-/// # Errors
-/// Other errors of the store.
 pub fn known(
     cache: &ResultCache,
     store: &Store,

@@ -89,9 +89,6 @@ fn settings() -> impl Iterator<Item = (Way, usize)> {
 }
 
 /// Analyses every patient in every setting.
-///
-/// # Errors
-/// If threads cannot be started.
 pub fn study(args: &NoiseStudyArgs) -> Result<Vec<Point>, Failure> {
     let scenarios = args.scenarios();
     let tasks: Vec<(Scenario, u32)> = scenarios

@@ -24,9 +24,6 @@ struct Named {
 }
 
 /// The pictures that can be shown, and in words why others cannot.
-///
-/// # Errors
-/// If threads or the decoder cannot be started.
 pub fn pictures(
     path: &Path,
     file: &CaseFile,

@@ -65,9 +65,6 @@ impl Outcome {
     }
 
     /// Runs the replicates that are asked for under the same loads.
-    ///
-    /// # Errors
-    /// If the noise cannot be applied to the case.
     pub fn with_replicates(
         mut self,
         args: &SimulateArgs,

@@ -47,9 +47,6 @@ impl Source {
     }
 
     /// Runs the replicates under the loads of a simulation. Ctrl-C ends them early; `None` if none was finished then.
-    ///
-    /// # Errors
-    /// If the noise cannot be applied to the case.
     pub fn run(
         &self,
         args: &SimulateArgs,

@@ -113,9 +113,6 @@ impl Outputs {
     }
 
     /// Checks a table, which has its provenance beside it.
-    ///
-    /// # Errors
-    /// As [`Outputs::file`].
     pub fn table(&self, path: &Path) -> Result<(), Failure> {
         self.file(path)?;
         match Target::of(path)? {
@@ -186,9 +183,6 @@ impl Outputs {
 
     /// A table, and in a file beside it its provenance, so that other programs read the table unchanged. The standard output and
     /// pipes get the table alone.
-    ///
-    /// # Errors
-    /// As [`Outputs::write`].
     pub fn write_table(
         &self,
         path: &Path,
@@ -202,9 +196,6 @@ impl Outputs {
     }
 
     /// The provenance of a table, in a file beside it.
-    ///
-    /// # Errors
-    /// As [`Outputs::write`].
     pub fn write_provenance(
         &self,
         path: &Path,
@@ -238,9 +229,6 @@ impl Outputs {
     }
 
     /// As [`Outputs::commit`], and says on the standard error which files were written.
-    ///
-    /// # Errors
-    /// As [`Outputs::commit`].
     pub fn commit_and_say(self) -> Result<(), Failure> {
         let mut files = Vec::new();
         let kept = self.name_all(&mut files);

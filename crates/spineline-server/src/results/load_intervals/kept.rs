@@ -28,9 +28,6 @@ struct Stored<'a> {
 }
 
 /// Intervals as the store keeps them.
-///
-/// # Errors
-/// As [`tally`].
 pub fn written(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Answer<KeptComputation> {
     let work = &job.work;
     let empty = tally(&job.result, work, |tally| tally.finish(job.asked))?;

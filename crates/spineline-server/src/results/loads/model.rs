@@ -53,9 +53,6 @@ pub fn fitted_model(result: &StudyResult, line: LineKindName) -> Answer<(&Analys
 }
 
 /// The file of a model.
-///
-/// # Errors
-/// As [`fitted_model`].
 pub fn model_text(result: &StudyResult, line: LineKindName) -> Answer<String> {
     let (analysis, model) = fitted_model(result, line)?;
     let file = ModelFile::new(analysis, model, PROGRAM, Some(provenance(analysis)));
@@ -63,9 +60,6 @@ pub fn model_text(result: &StudyResult, line: LineKindName) -> Answer<String> {
 }
 
 /// The personalised model of a line of action.
-///
-/// # Errors
-/// As [`fitted_model`].
 pub fn personalised_model(result: &StudyResult, line: LineKindName) -> Answer<PersonalisedModel> {
     let (analysis, model) = fitted_model(result, line)?;
     Ok(analysis.personalised_model(model))
