@@ -18,7 +18,7 @@ pub(crate) const MODEL_HELP: &str =
 const TABLE_HELP: &str = "a table of readings is CSV with the columns quantity, unit, subject, observer, repeat, value; one reading per row";
 
 spineline::faults! {
-    /// Error of reading a file.
+    /// Error of reading a file; `place` is where in the file.
     #[derive(Debug, thiserror::Error)]
     #[non_exhaustive]
     pub enum FileError {
@@ -26,16 +26,13 @@ spineline::faults! {
         #[error("{}: {source}", path.display())]
         #[help("check the path and its permissions")]
         Read {
-            /// Which file.
             path: PathBuf,
-            /// Why.
             source: std::io::Error,
         },
         /// The file is not text in UTF-8.
         #[error("{}: its text is {}, and must be UTF-8", path.display(), if *utf_16 { "UTF-16 (Excel's Unicode text)".to_owned() } else { format!("no UTF-8 (byte {at})") })]
         #[help("save the file as UTF-8; in Excel as `CSV UTF-8`")]
         NotUtf8 {
-            /// Which file.
             path: PathBuf,
             /// The first byte that is not, from 1.
             at: usize,
@@ -46,7 +43,6 @@ spineline::faults! {
         #[error("{}: it is a database, such as a study store, and not a text", path.display())]
         #[help("`spineline study export STORE STUDY` writes a study of a store as a case file")]
         Database {
-            /// Which file.
             path: PathBuf,
         },
         /// More bytes than any file of its kind needs.
@@ -58,7 +54,6 @@ spineline::faults! {
         )]
         #[help("check that it is the right file; give a cohort as one file per patient")]
         TooLarge {
-            /// Which file.
             path: PathBuf,
             /// Its size, where it states one; pipes and devices do not.
             bytes: Option<u64>,
@@ -73,7 +68,6 @@ spineline::faults! {
             line: usize,
             /// Column, from 1.
             column: usize,
-            /// Why.
             reason: String,
         },
         /// A key that the format does not know.
@@ -82,7 +76,6 @@ spineline::faults! {
         UnknownKey {
             /// Line, from 1.
             line: usize,
-            /// Where in the file.
             place: String,
             key: String,
             /// The known key that it resembles most.
@@ -94,9 +87,7 @@ spineline::faults! {
         Value {
             /// Line, from 1.
             line: usize,
-            /// Where in the file.
             place: String,
-            /// Why.
             reason: String,
         },
         /// The file has another format.
@@ -105,7 +96,6 @@ spineline::faults! {
         Format {
             /// Value in the file.
             found: String,
-            /// Expected value.
             expected: &'static str,
         },
         /// A newer file, or one of unknown version.
@@ -121,7 +111,6 @@ spineline::faults! {
         #[error("{place}: a vertebra needs either its four corners, or `location_mm` and `tilt_deg`")]
         #[help(ONE_KIND_HELP)]
         Vertebra {
-            /// Where in the file.
             place: String,
         },
         /// Corners and locations in one film.
@@ -130,14 +119,12 @@ spineline::faults! {
         )]
         #[help(ONE_KIND_HELP)]
         MixedKinds {
-            /// Film.
             posture: Posture,
         },
         /// Corners without a picture.
         #[error("{posture} film: corners need an `image` with its spacing and `patient_left`")]
         #[help("add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left")]
         NoImage {
-            /// Film.
             posture: Posture,
         },
         /// A midline as the source of corners.
@@ -146,14 +133,12 @@ spineline::faults! {
         )]
         #[help("remove `placement_source`: a surface midline gives locations and tilts, not corners")]
         SourceOfCorners {
-            /// Film.
             posture: Posture,
         },
         /// An angle of more than half a turn.
         #[error("{place}: `{key}` is {deg}, and must be from -180 to 180")]
         #[help("give the angle in degrees, without full turns")]
         Angle {
-            /// Where in the file.
             place: String,
             /// The key of the angle.
             key: &'static str,
@@ -164,14 +149,12 @@ spineline::faults! {
         #[error("{posture} film: its locations are in mm, but their plane is `pixels`")]
         #[help("give the `plane` of `lengths` as patient, detector or unknown")]
         LengthsOfPixels {
-            /// Film.
             posture: Posture,
         },
         /// A unit of locations in a film of corners.
         #[error("{posture} film: `lengths` is given, but the film has no locations and tilts")]
         #[help("remove `lengths`: corners take their unit from the spacing and `spacing_plane` of `image`")]
         LengthsOfCorners {
-            /// Film.
             posture: Posture,
         },
         /// A spacing in one direction only, or a plane without a spacing.
@@ -180,7 +163,6 @@ spineline::faults! {
         )]
         #[help("give both spacings and their plane (patient, detector or unknown), or neither and `pixels`, with `pixel_aspect` where pixels are not square")]
         SpacingIncomplete {
-            /// Film.
             posture: Posture,
         },
         /// A spacing of the lateral film in one direction only, or beside the shape of a pixel.
@@ -193,7 +175,6 @@ spineline::faults! {
         #[error("{posture} film: `spacing_plane` is `pixels`, but a spacing in mm is given")]
         #[help("remove the spacings, or give their plane: patient, detector or unknown")]
         SpacingOfPixels {
-            /// Film.
             posture: Posture,
         },
         /// An analysis without its inputs.
@@ -207,7 +188,6 @@ spineline::faults! {
         #[error("`provenance.options`: {reason}")]
         #[help(ANALYSE_HELP)]
         Option {
-            /// Why.
             reason: String,
         },
         /// Replicates without a seed.
@@ -228,7 +208,6 @@ spineline::faults! {
         )]
         #[help("leave out `rotation_prior` (a cohort predicts every patient from the others), or learn it from other cases")]
         LearnedFrom {
-            /// Identifier of the case.
             case_id: String,
         },
         /// A distribution of joint rotations that was learned with other tilts.
@@ -365,7 +344,6 @@ spineline::faults! {
         )]
         #[help(MODEL_HELP)]
         ModelAxes {
-            /// The vertebra.
             level: Level,
             /// Largest element of `RᵀR - 1`.
             departure: f64,
@@ -392,7 +370,6 @@ spineline::faults! {
         #[error("line 1: {reason}")]
         #[help(TABLE_HELP)]
         Column {
-            /// Why.
             reason: String,
         },
         /// An invalid row of a table.
@@ -401,7 +378,6 @@ spineline::faults! {
         Row {
             /// Line, from 1.
             line: u64,
-            /// Why.
             reason: String,
         },
         /// A cell of a table that is not a code, such as the name of a person.
@@ -427,11 +403,8 @@ spineline::faults! {
             /// Which load of the file, from 1.
             number: usize,
             kind: &'static str,
-            /// Place of action.
             place: String,
-            /// Why.
             reason: String,
-            /// Remedy.
             help: &'static str,
         },
     }

@@ -60,7 +60,6 @@ spineline::faults! {
         #[error("{what} of the model file differ from the model that the case gives now")]
         #[help("a replicate is a new analysis of the case, which cannot follow changes made by hand: give the case as it was, or write the model again: `spineline analyze CASE --model FILE`")]
         Differs {
-            /// What differs.
             what: &'static str,
         },
     }

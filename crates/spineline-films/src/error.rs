@@ -124,14 +124,12 @@ spineline::faults! {
         #[error("not a radiograph: the file {looks_like}")]
         #[help("films are DICOM, PNG, JPEG or TIFF files; unpack archives first, export documents as PNG")]
         NotAFilm {
-            /// Likely format.
             looks_like: Lookalike,
         },
         /// A limit of [`FilmLimits`](super::FilmLimits).
         #[error("{what}: {found} is more than the limit of {limit}")]
         #[help("export the film alone, uncropped, at its own resolution")]
         TooLarge {
-            /// What is too large.
             what: Measure,
             /// Size, or a lower bound of it.
             found: u64,
@@ -141,7 +139,6 @@ spineline::faults! {
         #[error("the file is truncated: it ends {place}")]
         #[help(COPY_HELP)]
         Truncated {
-            /// Where.
             place: Place,
         },
         /// An element that claims more bytes than the file has.
@@ -161,7 +158,6 @@ spineline::faults! {
         #[help(EXPORT_HELP)]
         Element {
             attribute: Attribute,
-            /// How.
             fault: ElementFault,
         },
         /// A data set that dicom-rs refuses.
@@ -224,9 +220,7 @@ spineline::faults! {
             _ => ENCODING_HELP,
         })]
         Codec {
-            /// How they are compressed.
             codec: Codec,
-            /// Why.
             fault: CodecFault,
         },
         /// Compressed pixels with values beyond Bits Stored, where text may hide that de-identification cannot remove

@@ -93,7 +93,6 @@ spineline::faults! {
         #[error("{posture} film: {columns} × {rows} pixels are stated, but {found} are given")]
         #[help("give columns × rows values, row by row")]
         PixelCount {
-            /// Film.
             posture: Posture,
             /// Columns stated.
             columns: u32,
@@ -106,7 +105,6 @@ spineline::faults! {
         #[error("{posture} film: {columns} × {rows} pixels; a side of a DICOM picture has 1 to 65535")]
         #[help("use larger pixels")]
         Size {
-            /// Film.
             posture: Posture,
             /// Columns stated.
             columns: u32,
@@ -119,18 +117,15 @@ spineline::faults! {
         )]
         #[help("state as many bits as the largest value needs")]
         Bits {
-            /// Film.
             posture: Posture,
             /// Largest value.
             greatest: u16,
-            /// Bits stated.
             bits_stored: u16,
         },
         /// An invalid spacing or magnification.
         #[error("{posture} film: {quantity} of {value} {limit}")]
         #[help("give spacings in mm and a magnification of 1 or more")]
         Length {
-            /// Film.
             posture: Posture,
             quantity: &'static str,
             value: f64,
@@ -141,9 +136,7 @@ spineline::faults! {
         #[error("{posture} film: {reason}")]
         #[help("write the film uncompressed")]
         Encoder {
-            /// Film.
             posture: Posture,
-            /// Why.
             reason: String,
         },
     }

@@ -12,7 +12,7 @@ pub(crate) const GIVE_POSTURE: &str =
 pub(crate) const CORRECT: &str = "correct the file at that place";
 
 spineline::faults! {
-    /// Error of reading a file of landmarks.
+    /// Error of reading a file of landmarks; `at` is the place in the file.
     #[derive(Debug, thiserror::Error)]
     #[non_exhaustive]
     pub enum LandmarkError {
@@ -49,23 +49,19 @@ spineline::faults! {
         #[help(help)]
         Foreign {
             what: &'static str,
-            /// What to do.
             help: &'static str,
         },
         /// The text does not follow its format.
         #[error("{at}: {reason}")]
         #[help("correct the file at that place, or export it again")]
         Syntax {
-            /// Where in the file.
             at: String,
-            /// Why.
             reason: String,
         },
         /// A column that the table does not have.
         #[error("{at}: unknown column `{name}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
         #[help("correct the name, or remove the column")]
         Column {
-            /// Where in the file.
             at: String,
             name: String,
             /// The known name that was probably meant.
@@ -75,7 +71,6 @@ spineline::faults! {
         #[error("{at}: unknown {what} `{name}`; expected one of {}", known.join(", "))]
         #[help("write one of these names")]
         Choice {
-            /// Where in the file.
             at: String,
             /// Kind of value.
             what: &'static str,
@@ -88,7 +83,6 @@ spineline::faults! {
         #[error("{at}: `{name}` does not name a landmark: {reason}")]
         #[help("name points after vertebra and corner, such as T12_superior_left or T12 SL, and iliac_crest_left, iliac_crest_right")]
         PointName {
-            /// Where in the file.
             at: String,
             name: String,
             /// What is missing or unknown.
@@ -98,27 +92,22 @@ spineline::faults! {
         #[error("{at}: {what} is missing")]
         #[help("add it to the file")]
         Missing {
-            /// Where in the file.
             at: String,
-            /// What is missing.
             what: String,
         },
         /// A cell or value that is not a number, or is implausible.
         #[error("{at}: `{value}` is not {expected}")]
         #[help("correct the value; write numbers without units or formulas")]
         Value {
-            /// Where in the file.
             at: String,
             /// Value found.
             value: String,
-            /// Expected value.
             expected: &'static str,
         },
         /// An invalid code of an observer.
         #[error("{at}: the observer is `{value}`, and must be {OBSERVER_RULE}")]
         #[help("write a code for the observer, the same in all files and studies, but not the name of a person")]
         Observer {
-            /// Where in the file.
             at: String,
             /// The observer.
             value: String,
@@ -127,10 +116,8 @@ spineline::faults! {
         #[error("{at}: `{name}` is not a vertebra from T1 to L5{}", hint.map(|hint| format!(": {hint}")).unwrap_or_default())]
         #[help("name vertebrae T1 to T12 and L1 to L5 (Th12 and D12 are read too)")]
         Vertebra {
-            /// Where in the file.
             at: String,
             name: String,
-            /// Hint for that vertebra.
             hint: Option<&'static str>,
         },
         /// A repeated part within one reading of one film.
@@ -149,7 +136,6 @@ spineline::faults! {
         Incomplete {
             /// Reading and vertebra.
             what: String,
-            /// Missing points.
             missing: Vec<String>,
         },
         /// Confidences for some corners of a vertebra only.
@@ -165,20 +151,16 @@ spineline::faults! {
         #[error("{at}: {fault}")]
         #[help(fault.help())]
         Midline {
-            /// Where in the file.
             at: String,
-            /// The problem of the midline.
             fault: MidlineError,
         },
         /// The file can be understood in more than one way.
         #[error("{at}: {reason}")]
         #[help(help)]
         Ambiguous {
-            /// Where in the file.
             at: String,
             /// The possible meanings.
             reason: String,
-            /// What to do.
             help: &'static str,
         },
         /// Missing data on the picture that neither the file nor the caller gives.
@@ -187,9 +169,7 @@ spineline::faults! {
         Needs {
             /// Format of the file.
             format: &'static str,
-            /// What is needed.
             what: &'static str,
-            /// How to give it.
             help: &'static str,
         },
         /// The points belong to another picture.
@@ -216,18 +196,14 @@ spineline::faults! {
         #[error("the DICOM object is not a report of landmarks by Spineline: {reason}")]
         #[help("give a report that `spineline export --to dicom-sr` wrote")]
         Report {
-            /// Why.
             reason: String,
         },
         /// An error of a film or vertebra that is known.
         #[error("{error}")]
         #[help(error.help())]
         Placed {
-            /// The film.
             posture: Option<Posture>,
-            /// The vertebra.
             level: Option<Level>,
-            /// What is wrong there.
             error: Box<Self>,
         },
         /// Landmarks that cannot be measured.
@@ -299,7 +275,6 @@ spineline::faults! {
         #[help("give the observer a short code without control characters")]
         Observer {
             name: String,
-            /// Why.
             reason: &'static str,
         },
         /// A reading without any vertebra.
@@ -315,7 +290,6 @@ spineline::faults! {
         Corner {
             /// Film and reading.
             what: String,
-            /// Vertebra.
             level: Level,
         },
         /// The picture does not match the landmarks.

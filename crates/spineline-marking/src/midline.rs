@@ -140,7 +140,6 @@ spineline::faults! {
         Gap {
             /// Index of the first of the two.
             after: usize,
-            /// Distance between them.
             gap_mm: f64,
             /// The largest.
             limit_mm: f64,

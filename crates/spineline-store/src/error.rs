@@ -25,21 +25,18 @@ spineline::faults! {
         #[error("{}: store not found", path.display())]
         #[help("check the name, or make a store with `spineline study create STORE`")]
         NotFound {
-            /// Which file.
             path: PathBuf,
         },
         /// A file of this name is there already.
         #[error("{}: exists already", path.display())]
         #[help(NAME_HELP)]
         AlreadyExists {
-            /// Which file.
             path: PathBuf,
         },
         /// The file is not a store.
         #[error("{}: not a Spineline store", path.display())]
         #[help("name a file that Spineline created as a store")]
         NotAStore {
-            /// Which file.
             path: PathBuf,
         },
         /// SQLite's log or journal beside the store is damaged or belongs to another store.
@@ -105,9 +102,7 @@ spineline::faults! {
         #[error("{}: {source}", path.display())]
         #[help(DISK_HELP)]
         File {
-            /// Which file.
             path: PathBuf,
-            /// Why.
             source: std::io::Error,
         },
         /// SQLite refused a statement for another reason.
@@ -157,7 +152,6 @@ spineline::faults! {
             study: Name,
             /// Film that has these bytes.
             film: FilmId,
-            /// What it shows.
             view: FilmView,
         },
         /// A password that is too short, too long or easy to guess.
@@ -226,7 +220,6 @@ spineline::faults! {
         #[help("reload the reading")]
         BadEvent {
             reading: ReadingId,
-            /// Why.
             reason: &'static str,
         },
         /// A step without any event.
@@ -238,7 +231,6 @@ spineline::faults! {
         #[help("place the missing corners, or remove the vertebra")]
         Incomplete {
             reading: ReadingId,
-            /// Vertebra.
             level: Level,
             corners: usize,
         },
@@ -307,7 +299,6 @@ spineline::faults! {
         #[error("this film can be read from {until}")]
         #[help("read the film on or after that date")]
         Washout {
-            /// When.
             until: Timestamp,
         },
         /// Two films of one posture, or two lateral ones.

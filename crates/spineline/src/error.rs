@@ -25,7 +25,6 @@ faults! {
         #[help("give every posture one film; several readings belong to one film")]
         #[at(film = FilmView::from(*posture))]
         PostureTwice {
-            /// The posture.
             posture: Posture,
         },
         /// A known force scales the springs, which carry a stated weight.
@@ -39,7 +38,6 @@ faults! {
         #[help("correct `age_years` of the subject, or leave it out")]
         #[at(value = *age_years, limit = *limit_years)]
         Age {
-            /// The age.
             age_years: f64,
             /// The largest that is taken.
             limit_years: f64,

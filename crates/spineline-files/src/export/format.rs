@@ -75,7 +75,6 @@ spineline::faults! {
         #[error("vertebra {level} is given twice")]
         #[help(MODEL_HELP)]
         LevelTwice {
-            /// The vertebra.
             level: Level,
         },
         /// Two films of one posture would have one name.
@@ -90,9 +89,7 @@ spineline::faults! {
         )]
         #[help(MODEL_HELP)]
         Spring {
-            /// Lower vertebra.
             inferior: Level,
-            /// Upper vertebra.
             superior: Level,
             axis: &'static str,
             /// Value in the model.
@@ -107,9 +104,7 @@ spineline::faults! {
         Coupled {
             /// The format, which has no coupled springs.
             format: ExportFormat,
-            /// Lower vertebra.
             inferior: Level,
-            /// Upper vertebra.
             superior: Level,
         },
         /// A character that XML cannot hold, or not everywhere.

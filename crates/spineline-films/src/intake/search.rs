@@ -134,7 +134,6 @@ spineline::faults! {
         Missing {
             /// The path.
             place: Place,
-            /// Why.
             kind: ErrorKind,
         },
         /// Too many files.
@@ -153,7 +152,6 @@ spineline::faults! {
             _ => "run the command again when no other program writes there",
         })]
         Gone {
-            /// Where.
             place: Place,
             reason: Reason,
         },

@@ -75,9 +75,7 @@ faults! {
         #[code("segment_window")]
         #[help("give a window from at least 1 to at most 100,000 segments, such as 993 to 1003")]
         Window {
-            /// Its start.
             from: u32,
-            /// Its end.
             to: u32,
         },
         /// An erect curve without length.
@@ -99,7 +97,6 @@ faults! {
         #[help(LENGTHS_HELP)]
         #[at(value = *length_mm)]
         TooShort {
-            /// Its length.
             length_mm: f64,
             /// The erect one's.
             erect_mm: f64,

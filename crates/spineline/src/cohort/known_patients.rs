@@ -23,7 +23,6 @@ faults! {
         #[error("the case {id} was given already{}", as_other(id, earlier))]
         #[help("give every case its own `case_id`")]
         Identifier {
-            /// The identifier.
             id: String,
             /// The earlier one, which may differ in the case of its letters.
             earlier: String,
@@ -34,9 +33,7 @@ faults! {
         )]
         #[help("a patient counts once: leave one of the two files out")]
         Reading {
-            /// The film.
             posture: Posture,
-            /// The identifier.
             id: String,
             /// The earlier one.
             earlier: String,

@@ -58,7 +58,6 @@ faults! {
         #[help(ORDER_HELP)]
         #[at(film = FilmView::from(*posture), value = *order as f64)]
         Singular {
-            /// Film.
             posture: Posture,
             /// Order tried.
             order: usize,

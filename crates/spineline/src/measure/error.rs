@@ -74,7 +74,6 @@ faults! {
         #[code("duplicate_reading")]
         #[help("give each reading of a film its own observer and repeat")]
         DuplicateReading {
-            /// Reading.
             id: ReadingId,
         },
         /// A reading with the repeat 0.
@@ -83,7 +82,6 @@ faults! {
         #[help("number the repeats of every observer from 1")]
         #[at(value = f64::from(id.repeat), limit = 1.0)]
         Repeat {
-            /// Reading.
             id: ReadingId,
         },
         /// A reading whose observer is not a code.
@@ -91,7 +89,6 @@ faults! {
         #[code("observer")]
         #[help(OBSERVER_HELP)]
         Observer {
-            /// Reading.
             id: ReadingId,
         },
         /// The columns and rows of all landmarks are exchanged.
@@ -110,7 +107,6 @@ faults! {
         Spacing {
             /// Which of the two spacings.
             direction: &'static str,
-            /// What it is.
             value: f64,
         },
         /// With its scale the film would be larger than any film of a spine.
@@ -131,15 +127,12 @@ faults! {
         #[help("correct the scale of the film, or the corners of this vertebra")]
         #[at(level = *level, value = *size_mm, limit = if size_mm < least_mm { *least_mm } else { *most_mm })]
         BodySize {
-            /// Vertebra.
             level: Level,
             /// `wide` or `high`.
             side: &'static str,
             /// Mean of the two endplates, or of the two walls.
             size_mm: f64,
-            /// The least.
             least_mm: f64,
-            /// The most.
             most_mm: f64,
         },
         /// With its scale, or as its locations are given, the spine or its bodies have a size that no patient has.
@@ -167,9 +160,7 @@ faults! {
         #[help("give it as a part of the scale: 0.033 for 3.3 %; leave it out where it is not known")]
         #[at(value = *value, limit = *most)]
         ScaleSd {
-            /// What it is.
             value: f64,
-            /// The most.
             most: f64,
         },
         /// The film does not show enough of the thoracic spine.
@@ -244,7 +235,6 @@ faults! {
         #[help("give the probability that the program assigns to the landmark, or no confidence at all")]
         #[at(value = *value)]
         Confidence {
-            /// What it is.
             value: f64,
         },
         /// A deviation of corners that a program found, which no body has.
@@ -253,9 +243,7 @@ faults! {
         #[help("give it as a part of the height of the body")]
         #[at(value = *value, limit = *most)]
         CornerSd {
-            /// What it is.
             value: f64,
-            /// The most.
             most: f64,
         },
         /// A landmark outside of the picture.
@@ -263,13 +251,9 @@ faults! {
         #[code("off_image")]
         #[help("corner points are [column, row] in pixels of the full-size picture")]
         OffImage {
-            /// Column of the corner.
             column_px: f64,
-            /// Row of the corner.
             row_px: f64,
-            /// Columns of the picture.
             columns: u32,
-            /// Rows of the picture.
             rows: u32,
         },
         /// Four corners that make no vertebral body.
@@ -277,7 +261,6 @@ faults! {
         #[code("corners")]
         #[help(fault.help())]
         Corners {
-            /// What is wrong with them.
             fault: CornerFault,
         },
         /// Four corners on the lateral film that make no vertebral body.
@@ -288,7 +271,6 @@ faults! {
         #[code("corners")]
         #[help("mark this vertebra's superior and inferior corners again, anterior ones on the side of `patient_anterior`")]
         LateralCorners {
-            /// What is wrong with them.
             fault: CornerFault,
         },
         /// Two pedicles that give no rotation.
@@ -296,7 +278,6 @@ faults! {
         #[code("pedicles")]
         #[help(fault.help())]
         Pedicles {
-            /// What is wrong with them.
             fault: PedicleFault,
         },
         /// An iliac crest outside of the picture.
@@ -304,13 +285,9 @@ faults! {
         #[code("crests")]
         #[help(CRESTS_HELP)]
         CrestOffImage {
-            /// Column of the crest.
             column_px: f64,
-            /// Row of the crest.
             row_px: f64,
-            /// Columns of the picture.
             columns: u32,
-            /// Rows of the picture.
             rows: u32,
         },
         /// Iliac crests that give no line.
@@ -319,7 +296,6 @@ faults! {
         #[help(CRESTS_HELP)]
         #[at(value = *apart_mm, limit = *limit_mm)]
         Crests {
-            /// Distance between them.
             apart_mm: f64,
             /// The least distance.
             limit_mm: f64,
@@ -356,11 +332,9 @@ faults! {
             FilmView::Lateral => "give the corners of every vertebra as superior anterior, superior posterior, inferior anterior, inferior posterior, and not around the body",
         })]
         CornerOrder {
-            /// View of the film.
             view: FilmView,
             /// Vertebrae marked.
             count: usize,
-            /// The order.
             order: CornerOrder,
         },
         /// A vertebra is marked at or below the next lower one.
@@ -369,9 +343,7 @@ faults! {
         #[help(ORDER_HELP)]
         #[at(level = *superior, value = *share, limit = *limit)]
         OutOfOrder {
-            /// Lower vertebra.
             inferior: Level,
-            /// Upper vertebra.
             superior: Level,
             /// How far above along the axes of both, as a part of the usual distance in this spine.
             share: f64,
@@ -388,9 +360,7 @@ faults! {
         #[help(ORDER_HELP)]
         #[at(level = *superior, value = *share, limit = *limit)]
         LateralOutOfOrder {
-            /// Lower vertebra.
             inferior: Level,
-            /// Upper vertebra.
             superior: Level,
             /// How far above along the axes of both, as a part of the usual distance in this spine.
             share: f64,
@@ -405,9 +375,7 @@ faults! {
         TiltTooLarge {
             /// The lowest vertebra of the film, to which tilts are relative.
             base: Level,
-            /// Vertebra.
             level: Level,
-            /// Its tilt.
             tilt_deg: f64,
             /// The largest that can be handled.
             limit_deg: f64,

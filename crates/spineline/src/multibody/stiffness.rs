@@ -67,9 +67,7 @@ faults! {
         #[help(HELP)]
         #[at(level = *superior)]
         Missing {
-            /// Lower vertebra.
             inferior: Level,
-            /// Upper vertebra.
             superior: Level,
         },
         /// A joint is in the table twice.
@@ -78,9 +76,7 @@ faults! {
         #[help(HELP)]
         #[at(level = *superior)]
         Twice {
-            /// Lower vertebra.
             inferior: Level,
-            /// Upper vertebra.
             superior: Level,
         },
         /// A stiffness that is not positive and finite.
@@ -89,13 +85,9 @@ faults! {
         #[help(HELP)]
         #[at(level = *superior, value = *value, limit = 0.0)]
         Value {
-            /// Lower vertebra.
             inferior: Level,
-            /// Upper vertebra.
             superior: Level,
-            /// Axis.
             axis: &'static str,
-            /// What was given.
             value: f64,
         },
         /// A coupling that no joint has.
@@ -104,11 +96,8 @@ faults! {
         #[help(HELP)]
         #[at(level = *superior, value = *value)]
         Coupling {
-            /// Lower vertebra.
             inferior: Level,
-            /// Upper vertebra.
             superior: Level,
-            /// What was given.
             value: f64,
         },
     }

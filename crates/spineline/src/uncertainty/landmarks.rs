@@ -89,7 +89,6 @@ faults! {
         )]
         #[help("use the measured noise")]
         NoPicture {
-            /// The film.
             posture: Posture,
         },
     }
