@@ -157,7 +157,6 @@ enum Wanted {
     Film,
 }
 
-/// An answer of an archive.
 struct Answer {
     /// Its Content-Type.
     kind: String,

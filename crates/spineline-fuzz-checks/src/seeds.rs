@@ -96,7 +96,6 @@ pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
     Ok(all.0)
 }
 
-/// Collects seeds.
 #[derive(Default)]
 struct Seeds(Vec<Seed>);
 

@@ -10,7 +10,6 @@ use super::LandmarkError;
 /// Maximum coordinate in pixels or millimetres; a larger one is an error.
 const MAX_COORDINATE: f64 = 1e6;
 
-/// The short name of a corner.
 const fn short(corner: CornerName) -> &'static str {
     match corner {
         CornerName::SuperiorLeft => "SL",

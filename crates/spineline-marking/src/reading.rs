@@ -223,7 +223,6 @@ impl PartialReading {
     }
 }
 
-/// The fault of one vertebra.
 fn fault_of(
     image: &ImageGeometry,
     level: Level,

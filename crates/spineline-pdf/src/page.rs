@@ -16,7 +16,6 @@ pub(crate) fn figure_path(place: usize) -> String {
     format!("/figures/{place}.svg")
 }
 
-/// All texts of the report.
 pub(crate) fn texts(document: &Document) -> Vec<&str> {
     let mut texts =
         vec![document.title.as_str(), document.subject.as_str(), document.generator.as_str()];

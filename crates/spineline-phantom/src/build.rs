@@ -65,7 +65,6 @@ pub struct Build {
     pub joint_log_sd: f64,
 }
 
-/// The springs of one spine.
 #[derive(Debug, Clone)]
 pub(crate) struct Springs {
     /// Lateral stiffness of every joint over the nominal one: mean of logarithms per region, caudal first.

@@ -7,12 +7,10 @@ use spineline::spatial::{Angle, Frontal};
 use crate::build::SEGMENTS;
 use crate::erect::ErectSpine;
 
-/// The chain in one shape.
 #[derive(Debug, Clone)]
 pub(crate) struct ChainShape {
     /// Nodes from L4 upwards, one more than segments.
     nodes: Vec<Frontal>,
-    /// Tilts of the segments.
     tilts: Vec<f64>,
     segment_mm: f64,
 }

@@ -286,7 +286,6 @@ const ROWS: u32 = 7000;
 const PIXEL_MM: f64 = 0.1;
 
 impl View {
-    /// The view of the frontal films.
     fn frontal(setup: &SpaceSetup) -> Self {
         Self {
             across: Vec3::y(),

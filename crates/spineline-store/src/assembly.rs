@@ -38,7 +38,6 @@ pub(crate) enum AssembledFilm {
     Lateral(LateralFilm),
 }
 
-/// The case of a study with these films.
 pub(crate) fn case(study: &Name, synthetic: bool, films: Vec<AssembledFilm>) -> Case {
     let mut case = Case { synthetic, ..Case::of_films(study.to_string(), Vec::new()) };
     for film in films {

@@ -101,7 +101,6 @@ impl AuditEntry {
     }
 }
 
-/// The digest of a row.
 pub(crate) fn digest(row: &Row<'_>) -> Result<Hash, StoreError> {
     let columns = row.as_ref().column_count();
     let cells = (0..columns).map(|column| {

@@ -14,7 +14,6 @@ pub(crate) const JOURNAL: &str = "-journal";
 /// The heads of the audit log that are kept outside of the store.
 pub(crate) const HEADS: &str = "-head";
 
-/// A file beside a store.
 pub(crate) fn beside(store: &Path, end: &str) -> PathBuf {
     let mut name = OsString::from(store);
     name.push(end);

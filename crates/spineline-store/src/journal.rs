@@ -219,7 +219,6 @@ pub(crate) fn state(
     Ok(ReadingState::replay(&events(connection, record.id)?, record.finished_at.is_some()))
 }
 
-/// The events of a reading.
 pub(crate) fn events(
     connection: &Connection,
     reading: ReadingId,

@@ -73,7 +73,6 @@ pub enum Next {
     Done,
 }
 
-/// The plan of a study.
 pub(crate) struct Plan {
     pub id: i64,
     design: PlanDesign,

@@ -75,7 +75,6 @@ impl ReadingState {
         complete.map(|(&level, _)| level).filter(|level| level.model_index().is_some())
     }
 
-    /// Replays events.
     pub(crate) fn replay(events: &[Event], finished: bool) -> Self {
         let (mut done, mut undone, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         for event in events {

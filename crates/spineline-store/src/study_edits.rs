@@ -29,7 +29,6 @@ pub enum StudyEdit {
 }
 
 impl StudyEdit {
-    /// Its action in the log.
     fn action(&self) -> &'static str {
         match self {
             Self::Label { .. } => "rename",

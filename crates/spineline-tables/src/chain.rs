@@ -7,7 +7,6 @@ use spineline::spatial::Frontal;
 use crate::define::{Columns, LENGTHS, Row, Unit, keyed};
 use crate::table::{NumberFormat::Places, Table};
 
-/// A segment of a chain.
 struct Segment<'a> {
     posture: &'a FilmMovement,
     index: usize,

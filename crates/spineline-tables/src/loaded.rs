@@ -21,7 +21,6 @@ pub struct LoadedSpine<'a> {
     pub uncertainty: Option<&'a LoadedUncertainty>,
 }
 
-/// One number.
 struct Number<'a> {
     spine: LoadedSpine<'a>,
     measure: LoadedMeasure,

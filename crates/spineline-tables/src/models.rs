@@ -60,7 +60,6 @@ fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
     );
 }
 
-/// A multiplier of a model.
 pub(crate) struct Multiplier<'a> {
     model: &'a LineModel,
     group: usize,

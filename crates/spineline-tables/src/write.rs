@@ -136,7 +136,6 @@ impl ParquetWriter {
     }
 }
 
-/// One value as a cell of CSV.
 fn csv_cell(column: &Series, row: usize) -> String {
     let text = column.shown(row);
     match column.values {

@@ -75,7 +75,6 @@ impl Confidence {
         }
     }
 
-    /// The patient for the tables.
     pub fn patient<'a>(&'a self, analysis: &'a Analysis, case: &'a Case) -> Patient<'a> {
         Patient {
             analysis,

@@ -47,7 +47,6 @@ pub fn add_case(
     Ok(text)
 }
 
-/// The film and the warning.
 fn place_and_text(warning: &Warning) -> String {
     match warning.posture {
         Some(posture) => format!("{posture} film: {}", warning.message),

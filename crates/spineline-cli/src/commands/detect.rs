@@ -160,7 +160,6 @@ fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
 /// The required view.
 const FRONTAL: &str = "only films from the front or from behind";
 
-/// A film and the hash of its file.
 fn decoded(decoder: &Decoder, path: &Path) -> Result<(FilmFile, String), Failure> {
     let bytes = film_bytes(path)?;
     let sha256 = sha256_hex(&bytes);

@@ -125,7 +125,6 @@ pub enum Command {
     DecodeFilm,
 }
 
-/// Runs a command.
 pub fn run(command: Command) -> Result<Ending, Failure> {
     match command {
         Command::Reproduce(args) => reproduce::run(&args),

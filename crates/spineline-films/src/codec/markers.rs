@@ -10,7 +10,6 @@ const LOSSLESS: u8 = 0xC3;
 /// The end of an image, or of a codestream of JPEG 2000.
 pub(crate) const END: [u8; 2] = [0xFF, 0xD9];
 
-/// A frame header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Frame {
     /// The second byte of its marker.

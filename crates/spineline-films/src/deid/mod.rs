@@ -272,7 +272,6 @@ fn number(tag: Attribute, vr: VR, object: &InMemDicomObject) -> Option<InMemElem
     }
 }
 
-/// The cleaned pixels as an element.
 fn pixel_data(clean: Clean, stated: VR) -> InMemElement {
     match clean {
         Clean::Native(bytes) => {

@@ -163,7 +163,6 @@ impl Table<'_> {
         self.vertebra(row, posture, level).map_err(|error| error.of(posture, Some(level)))
     }
 
-    /// Adds a vertebra.
     fn vertebra(
         &mut self,
         row: Cells<'_>,

@@ -65,7 +65,6 @@ impl Line {
     }
 }
 
-/// All marks of one film.
 pub(super) struct Marks {
     image: ImageGeometry,
     word: Line,

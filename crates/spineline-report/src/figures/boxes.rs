@@ -116,7 +116,6 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     panel
 }
 
-/// Draws one box.
 fn add_column(panel: &mut Panel, x: f64, Boxed { column, values, summary }: &Boxed<'_>) {
     if let Some(summary) = summary {
         let marks = draw_box(panel, x, summary, Summary::of(values).mean, column.fill);

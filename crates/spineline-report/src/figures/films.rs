@@ -71,7 +71,6 @@ impl<'a> Displayed<'a> {
         point.rotated(self.outline.l4_on_film)
     }
 
-    /// A place of the picture.
     fn pixel(&self, frame: &FilmFrame, place: Pixel) -> Frontal {
         self.place(frame.point(place))
     }
@@ -199,7 +198,6 @@ impl Frames {
     }
 }
 
-/// Where the picture lies in a panel.
 fn placed(panel: &Panel, film: &Displayed<'_>, picture: &FilmPicture) -> Option<Picture> {
     let frame = film.frame.as_ref()?;
     let image = frame.image();

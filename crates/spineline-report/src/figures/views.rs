@@ -14,7 +14,6 @@ use crate::document::{Space, SpaceLayer};
 const TALL_PX: f64 = 520.0;
 const ERECT: Ink = Ink::new(GREY, "", 1.0);
 
-/// One shape of the model.
 struct Shape {
     name: String,
     ink: Ink,

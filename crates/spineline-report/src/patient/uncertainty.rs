@@ -98,7 +98,6 @@ pub fn profiles(section: &mut Section, analysis: &Analysis, found: &[Option<Iden
     }
 }
 
-/// Limits of the identifiability of one model's multipliers.
 fn limits(analysis: &Analysis, model: &LineModel, found: &Identifiability) -> Vec<Notice> {
     let note = |text: String| Notice::new(NoticeKind::Note, format!("{}: {text}", model.kind));
     let mut notices = Vec::new();

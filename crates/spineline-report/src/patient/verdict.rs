@@ -19,7 +19,6 @@ pub(crate) fn of_options(options: &AnalysisOptions) -> Option<Notice> {
     method::changed(options).map(|text| Notice::new(NoticeKind::Banner, text))
 }
 
-/// The verdict in sentences.
 pub(super) fn sentences(section: &mut Section, analysis: &Analysis) {
     for sentence in analysis.verdict() {
         section.paragraph(sentence);

@@ -104,7 +104,6 @@ fn pair(errors_mm: [f64; 2]) -> String {
     errors_mm.map(|error| fixed(error, 2)).join(", ")
 }
 
-/// The ending of a claim in words.
 pub(super) fn ending_words(ending: Option<ClaimVerdict>) -> String {
     ending.map_or_else(|| "not tested".to_owned(), |ending| ending.to_string())
 }

@@ -23,7 +23,6 @@ pub struct Part {
     pub note: String,
 }
 
-/// The support in words.
 pub(super) const fn support_words(support: Support) -> &'static str {
     match support {
         Support::Free => "free support (the paper's)",
@@ -76,7 +75,6 @@ impl Cell {
         Self::value(f64::NAN, 0, none())
     }
 
-    /// The p-value of a test.
     pub(super) fn p(test: Option<PairedT>, one_sided: bool) -> Self {
         test.map_or_else(Self::missing, |t| {
             let p = if one_sided { t.p_less } else { t.p_two_sided };

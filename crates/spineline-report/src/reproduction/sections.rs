@@ -138,7 +138,6 @@ fn movement(columns: &Columns<'_>) -> Part {
     )
 }
 
-/// Rotations of all segments.
 fn rotation_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
     let interval = |c: &Cohort| {
         let pooled = &c.rotation_deg.pooled;

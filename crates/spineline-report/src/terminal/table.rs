@@ -24,7 +24,6 @@ pub(crate) struct Parts {
     pub(crate) head: String,
     /// The lines of each row.
     pub(crate) rows: Vec<String>,
-    /// The note.
     pub(crate) note: String,
 }
 

@@ -17,7 +17,6 @@ pub trait Task: Work + Sized {
     /// Why a second job is refused while one runs, and what to do.
     const RUNNING: [&'static str; 2];
 
-    /// All jobs of this kind.
     fn jobs(state: &AppState) -> &Jobs<Self>;
 
     /// Computes; `None` where the job was cancelled.

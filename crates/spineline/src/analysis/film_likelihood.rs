@@ -234,7 +234,6 @@ fn noise_of(outline: &Outline, vertebra: &MeasuredVertebra) -> Noise {
     }
 }
 
-/// Correlations of joint rotations.
 fn correlations(joints: usize) -> DMatrix<f64> {
     DMatrix::from_fn(joints, joints, |i, j| {
         0.5 + 0.5 * (-(i.abs_diff(j) as f64) / CORRELATED_JOINTS).exp()

@@ -51,11 +51,9 @@ struct Known {
     shown: Vec<usize>,
     /// By T2's place, with the published distribution of rotations.
     by_place: Option<FilmCovariance>,
-    /// By its place and tilt.
     by_place_and_tilt: Option<FilmCovariance>,
     /// By T2's place, with the distribution that was given.
     by_given_and_place: Option<FilmCovariance>,
-    /// By its place and tilt.
     by_given_place_and_tilt: Option<FilmCovariance>,
 }
 

@@ -83,7 +83,6 @@ fn through_t2(film: &FilmMovement) -> Option<ProposedLine> {
     Some(ProposedLine::Through { points: [t2 - reach, t2 + reach], covariance })
 }
 
-/// The line through the inflections.
 fn through_inflections(
     film: &FilmMovement,
     segments: [usize; 2],

@@ -270,7 +270,6 @@ impl Movement {
         self.loaded_spine.as_ref().unwrap_or(&self.spine)
     }
 
-    /// This spine with springs in groups.
     pub(super) fn springs<'a>(&'a self, groups: &'a JointGroups) -> FittedSprings<'a> {
         let (model, erect) = (self.spine_of_films(), &self.erect().outline);
         FittedSprings { model, erect, library: &self.library, groups }

@@ -125,7 +125,6 @@ pub struct Cohort {
     pub chains: Vec<ChainCount>,
 }
 
-/// Which films count.
 #[derive(Clone, Copy, PartialEq)]
 enum Films {
     All,
@@ -246,7 +245,6 @@ fn of_films(patients: &Patients<'_>) -> [Clustered; 3] {
 
 /// The estimates of the least-rotating segments that a film has in one way.
 type EstimatesOf = fn(&PatientFilm) -> Option<&[Estimate; 2]>;
-/// A number of an estimate.
 type EstimateValue = fn(&Estimate) -> f64;
 
 const INFLECTIONS: EstimatesOf = |film| film.inflection_estimates.as_ref();

@@ -62,7 +62,6 @@ pub struct CohortPatient {
     hypotheses_mm: Numbers<(u8, Hypothesis, bool)>,
 }
 
-/// A film of a patient.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PatientFilm {
     pub posture: Posture,

@@ -37,7 +37,6 @@ pub(super) struct Patients<'a> {
     workers: &'a dyn Workers,
 }
 
-/// A sample of all patients.
 struct Sample {
     /// Of all values.
     pooled: Summary,

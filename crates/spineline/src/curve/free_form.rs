@@ -98,7 +98,6 @@ impl CurveFit {
 /// The process after the vertebrae are known, over all pairs of length scale and deviation.
 struct Process {
     height_mm: f64,
-    /// Mean of the coefficients.
     mean: Coefficients,
     /// Their covariance: within the pairs, and between the pairs' means.
     covariance: ByCoefficients,

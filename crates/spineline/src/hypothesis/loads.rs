@@ -98,7 +98,6 @@ impl HypothesisFilm<'_> {
         Some(LoadedFilm::new(units, &spine.with_multipliers(&vec![0.0; groups.len()]), groups))
     }
 
-    /// Responses of its joints to the unit loads.
     pub(super) fn responses_to(&self, units: &[Vec<UnitLoad>]) -> JointResponses<'_> {
         let midpoints_mm = &self.evidence.midpoints_mm;
         let of_joint = |(j, joint): (usize, &JointEvidence)| {

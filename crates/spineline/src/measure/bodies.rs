@@ -50,7 +50,6 @@ impl FilmView {
         }
     }
 
-    /// Warns about this film.
     pub(super) fn warn_of_film(self, code: WarningCode, text: String, warnings: &mut Warnings) {
         match self {
             Self::Frontal(posture) => {

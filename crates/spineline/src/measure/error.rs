@@ -51,7 +51,6 @@ impl Remedy for MeasureError {
 }
 
 impl MeasureFault {
-    /// The error of this fault at a place.
     pub(crate) fn at(self, place: impl Into<FilmPlace>) -> MeasureError {
         MeasureError { at: place.into(), fault: self }
     }

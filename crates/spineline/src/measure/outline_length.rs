@@ -99,7 +99,6 @@ impl Outline {
         scaled
     }
 
-    /// The film at the length of the erect one.
     pub(crate) fn at_erect_length(mut self, erect: &Outline, rule: FilmLengthRule) -> Self {
         let length = FilmLength::of(erect, &self, rule);
         self.length = FilmLength { scale: FilmScale::ONE, ..length };

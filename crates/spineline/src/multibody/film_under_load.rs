@@ -102,7 +102,6 @@ pub(crate) trait FilmUnderLoad {
         self.base().map_or(still, |base| (still + base.angle).wrapped())
     }
 
-    /// Derivative of a location.
     fn location_rate(&self, parameter: usize, vertebra: usize) -> Frontal {
         let still = self.solution().location_rate(parameter, vertebra);
         let Some(base) = self.base() else { return still };
@@ -114,7 +113,6 @@ pub(crate) trait FilmUnderLoad {
         rate + Frontal::new(-place.z_mm, place.y_mm)
     }
 
-    /// Derivative of a tilt.
     fn tilt_rate(&self, parameter: usize, vertebra: usize) -> f64 {
         let turns = self.base().is_some_and(|base| parameter == base.parameter);
         self.solution().tilt_rate(parameter, vertebra) + if turns { 1.0 } else { 0.0 }

@@ -10,7 +10,6 @@ use crate::spatial::{Angle, Vec3};
 /// Steps in which loads grow from zero if Newton does not converge at once.
 const GROWTH_STEPS: u32 = 12;
 
-/// One film under its loads.
 pub(crate) struct LoadedFilm {
     /// Unit loads of every component.
     pub units: Vec<Vec<UnitLoad>>,

@@ -137,7 +137,6 @@ pub(crate) trait OneComponent {
     fn largest(&self) -> f64;
 }
 
-/// A force along a line.
 pub(super) struct LineForce<'a> {
     pub statics: &'a Statics<'a>,
     pub load: &'a Load,
@@ -243,7 +242,6 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
         self.nearest.map_or(f64::INFINITY, |state| state.residual.abs())
     }
 
-    /// Its force.
     fn nearest_n(&self) -> f64 {
         self.nearest.map_or(0.0, |state| state.force_n)
     }

@@ -16,7 +16,6 @@ pub struct Statics<'a> {
     pub(super) hinges: Vec<Hinges>,
 }
 
-/// The hinges of one joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hinges {
     /// Radians per N·mm; zero where a hinge is locked.

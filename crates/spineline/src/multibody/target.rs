@@ -62,7 +62,6 @@ pub(super) trait SearchTarget {
         true
     }
 
-    /// A state's residual with its unit.
     fn residual(of_state: f64) -> Residual;
 
     /// The least residual that a result between two states may have; `None` without one, or without a lower bound.

@@ -9,7 +9,6 @@ use crate::measure::Outline;
 use crate::multibody::{FilmUnderLoad, FittedSprings, Wanted};
 use crate::spatial::{Angle, Frontal};
 
-/// One film's data.
 pub(crate) struct FilmData<'a, F> {
     /// The film under its load.
     pub loaded: F,

@@ -151,7 +151,6 @@ impl Best {
         }
     }
 
-    /// Refines a start.
     fn improve<F: FilmUnderLoad>(&mut self, problem: &mut Problem<'_, F>, start: &Start) {
         self.starts += 1;
         let x = problem.begin(start);

@@ -3,7 +3,6 @@ use super::ratings::Ratings;
 use super::{StatisticEstimate, Undefined};
 use crate::number::NORMAL_975;
 
-/// Variance of the error of a rating.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ErrorVariance {
     pub value: f64,

@@ -261,7 +261,6 @@ impl AnalysisQuantity {
         Self { end: Some(end), ..self }
     }
 
-    /// The model of its line.
     fn model(self, analysis: &Analysis) -> Option<&LineModel> {
         self.line.and_then(|line| analysis.model(line))
     }

@@ -106,7 +106,6 @@ impl AnalysisQuantity {
         Ok(self.length(length_mm, analysis))
     }
 
-    /// The angle of a curve on a film.
     fn curve_angle(self, analysis: &Analysis) -> Option<Angle> {
         let (posture, region) = self.posture.zip(self.region)?;
         let curve = analysis.movement.clinical.iter().find(|curve| curve.region == region)?;

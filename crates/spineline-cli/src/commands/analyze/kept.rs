@@ -74,7 +74,6 @@ pub struct Kept<'a> {
     pub one: Option<Analysed>,
     /// Its model to write, if requested.
     pub model: Option<ModelChoice>,
-    /// Statistics of a cohort.
     pub together: Option<Cohort>,
     pub ending: Ending,
     pub(super) is_cut_short: bool,

@@ -47,7 +47,6 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     Ok(ending)
 }
 
-/// Begins every output that is asked for.
 fn begin_outputs(asked: Asked<'_>) -> Result<Vec<Box<dyn Output + '_>>, Failure> {
     let Asked { args, record, outputs, is_list } = asked;
     let mut all: Vec<Box<dyn Output + '_>> = Vec::new();

@@ -24,11 +24,9 @@ pub trait Output: Sync {
         Box::new(|| ())
     }
 
-    /// Ends the output.
     fn end(self: Box<Self>, run: &Kept<'_>);
 }
 
-/// A step of an output.
 pub type Step<'a> = Box<dyn FnOnce() + Send + 'a>;
 
 /// An unfinished result, which a failure removes.
@@ -76,7 +74,6 @@ struct JsonText<'a> {
 }
 
 impl<'a> Json<'a> {
-    /// Begins it.
     pub fn new(
         path: &'a Path,
         record: &'a RunRecord,
@@ -132,7 +129,6 @@ pub struct Csv<'a> {
 }
 
 impl<'a> Csv<'a> {
-    /// Begins it.
     pub fn new(
         path: &'a Path,
         table: fn(&[Analysis]) -> Table,

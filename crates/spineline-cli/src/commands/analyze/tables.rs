@@ -67,7 +67,6 @@ struct TablesFolder<'a> {
 }
 
 impl<'a> TablesFolder<'a> {
-    /// Adds the tables of a patient.
     fn add(&mut self, tables: Vec<Table>, optional: OptionalTables) -> Result<(), Failure> {
         self.optional = self.optional.or(optional);
         for table in tables {

@@ -92,7 +92,6 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
     print(text).map(|_| ())
 }
 
-/// The rows of a set.
 fn rows(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<Vec<AasceRow>, Failure> {
     let table_at = |path: PathBuf| read_file(&path).map_err(|error| fail(&path, &error));
     let table = args.sizes.clone().unwrap_or_else(|| folder.join("image_sizes.csv"));

@@ -28,7 +28,6 @@ use crate::run::messages::say;
 pub type LandmarksByPosture = BTreeMap<Posture, FilmLandmarks>;
 
 impl ResolvedFilm {
-    /// The lateral film with these readings.
     pub const fn lateral(&self, readings: Vec<Reading<Corners<Pixel>>>) -> LateralFilm {
         LateralFilm { image: self.image, simultaneous: self.simultaneous, readings }
     }

@@ -14,7 +14,6 @@ use super::args::{ImportArgs, answer_for};
 use super::candidates::{ChosenFilm, Seen};
 use crate::run::failure::Failure;
 
-/// A film of the case.
 pub struct ResolvedFilm {
     pub view: FilmView,
     /// Place in the list of films.

@@ -29,7 +29,6 @@ pub const WAYS: [Way; 7] = [
 /// One way to analyse films.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Way {
-    /// Order of the curves.
     pub rule: OrderRule,
     /// What holds the patient; `None`: no models, which take most of the time.
     pub support: Option<Support>,
@@ -69,7 +68,6 @@ pub struct Point {
 }
 
 impl Point {
-    /// The row of the table.
     pub fn row(&self) -> NoisePoint<'_> {
         NoisePoint {
             scenario: self.scenario.key(),

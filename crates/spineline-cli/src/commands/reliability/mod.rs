@@ -115,7 +115,6 @@ fn check_outputs(args: &ReliabilityArgs) -> Result<Outputs, Failure> {
     Ok(outputs)
 }
 
-/// The readings of all inputs.
 struct Readings {
     quantities: Vec<RatedQuantity>,
     /// Whether any film is synthetic.

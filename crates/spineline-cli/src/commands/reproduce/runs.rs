@@ -17,11 +17,8 @@ pub struct Run {
     pub name: &'static str,
     /// What the name means.
     pub meaning: String,
-    /// Their support.
     pub support: Support,
-    /// Their cases.
     pub cases: Vec<Case>,
-    /// Their analyses.
     pub analyses: Vec<Analysis>,
     /// Their statistics.
     pub cohort: Cohort,

@@ -22,7 +22,6 @@ pub struct Difference {
 #[derive(Debug, Default, PartialEq)]
 pub struct Found {
     pub all: Vec<Difference>,
-    /// Pairs of numbers.
     pub numbers: usize,
     /// Pairs of texts, booleans and nulls, and values on one side only.
     pub others: usize,

@@ -117,7 +117,6 @@ impl Outcome {
         path_table(&top.unwrap_or_default(), &regions, &shapes)
     }
 
-    /// The simulation as a file.
     pub fn file(&self) -> SimulationFile {
         let file = self.simulated.file(&generator());
         match &self.uncertainty {
@@ -135,7 +134,6 @@ impl Outcome {
         }
     }
 
-    /// The picture.
     pub fn svg(&self) -> String {
         let force_unit = self.model.force_unit();
         let words = self.loads.loads.iter().map(|load| load.words(force_unit));

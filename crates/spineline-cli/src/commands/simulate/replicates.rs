@@ -35,7 +35,6 @@ impl Source {
         Ok(Some(Self { case, source, asked }))
     }
 
-    /// The request for the case.
     pub fn request(&self) -> Request {
         let options = self.source.analysis.options.clone();
         Request { options, replicates: Some(self.asked), identifiability: false }

@@ -9,7 +9,6 @@ use spineline_report::document::{Document, Notice, NoticeKind, Section};
 use super::outcome::Outcome;
 use crate::run::provenance::generator;
 
-/// The whole report.
 pub fn report(outcome: &Outcome) -> Document {
     let mut sections = vec![target(outcome), ending(outcome)];
     sections.extend(outcome.response.result().map(|result| shape(outcome, result)));
@@ -18,7 +17,6 @@ pub fn report(outcome: &Outcome) -> Document {
     Document::new("Simulation", subject(outcome), generator(), sections)
 }
 
-/// The warnings.
 pub fn notices(outcome: &Outcome) -> Vec<Notice> {
     let notice = |warning: &SimulationWarning| Notice {
         code: warning.code.key().to_owned(),
@@ -73,7 +71,6 @@ fn ending(outcome: &Outcome) -> Section {
     section
 }
 
-/// The shape that is the result.
 fn shape(outcome: &Outcome, result: &Equilibrium) -> Section {
     let (mut section, tables) = (Section::new("shape", ""), outcome.tables());
     section.table(tables.forces(result));

@@ -46,7 +46,6 @@ impl Outputs {
 }
 
 impl Pieces<'_> {
-    /// Adds the next piece.
     pub fn add(&mut self, piece: impl AsRef<[u8]>) -> Result<(), Failure> {
         let piece = piece.as_ref();
         self.content.update(piece);

@@ -147,7 +147,6 @@ impl Identity {
         }
     }
 
-    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }

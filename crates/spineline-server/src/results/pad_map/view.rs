@@ -147,7 +147,6 @@ impl Map<'_> {
         }
     }
 
-    /// The pad with its displacement.
     fn load(&self, effect: &PadEffect) -> Option<FileLoad> {
         let n_per_mm = self.job.work.request.n_per_mm;
         let level = *self.job.work.model.levels.get(effect.trial.vertebra)?;

@@ -103,7 +103,6 @@ impl State {
         }
     }
 
-    /// The pose of a vertebra.
     pub(super) fn pose(&self, vertebra: usize) -> Pose<'_> {
         Pose { midpoint_mm: &self.midpoints[vertebra], axes: &self.axes[vertebra] }
     }
@@ -117,7 +116,6 @@ impl State {
         }
     }
 
-    /// The largest hinge angle.
     pub(super) fn largest_hinge_rad(&self) -> f64 {
         self.hinges.iter().map(|angles| angles.amax()).fold(0.0, f64::max)
     }

@@ -9,7 +9,6 @@ use super::stability::Signs;
 use super::wrench::{Spatial, SpatialMatrix};
 use crate::spatial::{Mat3, Vec3};
 
-/// One joint, eliminated.
 #[derive(Debug, Clone, PartialEq)]
 struct Eliminated {
     /// Turns of the hinges per twist of the inferior vertebra.

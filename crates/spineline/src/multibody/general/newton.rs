@@ -312,7 +312,6 @@ fn reaction_of(solution: &[f64], rod: usize) -> Spatial {
     Spatial::from_column_slice(&solution[6 * rod..6 * rod + 6])
 }
 
-/// The velocity of a point of a body that twists.
 pub(super) fn velocity_at(twist: &Spatial, point: &Vec3) -> Vec3 {
     second(twist) + first(twist).cross(point)
 }

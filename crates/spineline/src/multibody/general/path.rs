@@ -90,7 +90,6 @@ pub(super) struct Step {
     events: Vec<Event>,
 }
 
-/// A stage of a path.
 pub(super) struct Stage {
     /// Factors of the constant and the proportional loads.
     pub factors: Factors,

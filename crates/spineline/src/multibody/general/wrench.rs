@@ -20,7 +20,6 @@ pub(super) fn second(spatial: &Spatial) -> Vec3 {
     Vec3::new(spatial[3], spatial[4], spatial[5])
 }
 
-/// A vertebra's pose.
 pub(super) struct Pose<'a> {
     pub midpoint_mm: &'a Vec3,
     pub axes: &'a Mat3,

@@ -21,7 +21,6 @@ use super::equations::{Equations, Model, of_rotations};
 /// More degrees of freedom make no difference.
 const MANY: f64 = 1e4;
 
-/// A covariance and its parts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct EstimatedCovariance {
     /// The covariance.
