@@ -9,7 +9,7 @@ use crate::define::{Columns, ENDS_95, Unit, table};
 use crate::table::Table;
 
 /// A test of one prediction against another, and whether its patients are synthetic.
-struct Test<'a> {
+pub(crate) struct Test<'a> {
     synthetic: bool,
     /// Keys of the first line, and of the prediction that it is compared with.
     compared: [String; 2],
@@ -73,12 +73,7 @@ pub fn cohort_tests_table(cohort: &Cohort) -> Table {
     of_tests(&lines.chain(baselines).chain(hypotheses).collect::<Vec<_>>())
 }
 
-/// The table without rows.
-pub(crate) fn cohort_tests_columns() -> Table {
-    of_tests(&[])
-}
-
-fn of_tests(tests: &[Test<'_>]) -> Table {
+pub(crate) fn of_tests(tests: &[Test<'_>]) -> Table {
     let row = "pair of lines, or line or other load and prediction without mechanics × role of films × error";
     table("cohort_tests", row, tests, |add| {
         compared(add);

@@ -144,10 +144,10 @@ fn other_files() -> [Table; 9] {
     [
         chain_table(&[]),
         errors_table(&[]),
-        cohort_tests::cohort_tests_columns(),
+        cohort_tests::of_tests(&[]),
         noise_study_table(&[]),
-        path::path_columns(),
-        loaded::loaded_measures_columns(),
+        path::of_shapes("<top>", &["<region>"], &[]),
+        loaded::of_numbers(&[]),
         statistics_table(&[], false),
         reproduction_table(&[]),
         verdicts_table(&[]),

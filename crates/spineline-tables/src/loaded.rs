@@ -21,7 +21,7 @@ pub struct LoadedSpine<'a> {
     pub uncertainty: Option<&'a LoadedUncertainty>,
 }
 
-struct Number<'a> {
+pub(crate) struct Number<'a> {
     spine: LoadedSpine<'a>,
     measure: LoadedMeasure,
     state: LoadedState,
@@ -43,12 +43,7 @@ pub fn loaded_measures_table(spine: LoadedSpine<'_>) -> Table {
     of_numbers(&numbers.filter(exists).collect::<Vec<_>>())
 }
 
-/// The table without rows.
-pub(crate) fn loaded_measures_columns() -> Table {
-    of_numbers(&[])
-}
-
-fn of_numbers(all: &[Number<'_>]) -> Table {
+pub(crate) fn of_numbers(all: &[Number<'_>]) -> Table {
     table("loaded_measures", "number of a spine before and under loads", all, |add| {
         which(add);
         numbers(add);

@@ -34,12 +34,7 @@ pub fn path_table(top: &str, regions: &[Region], shapes: &[LoadedShape<'_>]) -> 
     of_shapes(top, &regions, shapes)
 }
 
-/// The table for any vertebra and regions, without rows.
-pub(crate) fn path_columns() -> Table {
-    of_shapes("<top>", &["<region>"], &[])
-}
-
-fn of_shapes(top: &str, regions: &[&str], shapes: &[LoadedShape<'_>]) -> Table {
+pub(crate) fn of_shapes(top: &str, regions: &[&str], shapes: &[LoadedShape<'_>]) -> Table {
     table("path", "shape on the path of equilibria", shapes, |add| {
         keys(add);
         location(add, top);
