@@ -15,7 +15,7 @@ use crate::run::outputs::{print, width};
 
 pub fn list_readings(path: &Path, study: &str) -> Result<Ending, Failure> {
     let table = table(&view(path)?, &store_name(study)?);
-    let table = table.map_err(|error| Failure::store(path, &error))?;
+    let table = table.map_err(|error| Failure::file(path, &error))?;
     print(Lines::of_text(&terminal::table(&table, width())))
 }
 
@@ -27,7 +27,7 @@ pub fn withdraw(
 ) -> Result<Ending, Failure> {
     let store = Store::open(path);
     let done = store.and_then(|mut s| s.withdraw_reading(ReadingId(reading), reason, by));
-    done.map_err(|error| Failure::store(path, &error))?;
+    done.map_err(|error| Failure::file(path, &error))?;
     print(format!("Reading {reading} is withdrawn."))
 }
 
@@ -36,9 +36,9 @@ pub fn correct(path: &Path, reading: i64, by: &Signature) -> Result<Ending, Fail
     let copy = store.and_then(|mut store| store.correct_reading(ReadingId(reading), by));
     let copy = copy.map_err(|error| match error {
         StoreError::NotYours { .. } => {
-            Failure::store(path, &error).with_line("`--by` must be the observer of the reading")
+            Failure::file(path, &error).with_line("`--by` must be the observer of the reading")
         }
-        _ => Failure::store(path, &error),
+        _ => Failure::file(path, &error),
     });
     let copy = copy?.0;
     print(format!(
@@ -53,7 +53,7 @@ pub fn edit(path: &Path, study: &str, edit: &StudyEdit, by: &Signature) -> Resul
         let revision = store.study(&study)?.revision;
         store.edit_study(&study, edit, revision, by)
     });
-    edited.map_err(|error| Failure::store(path, &error))?;
+    edited.map_err(|error| Failure::file(path, &error))?;
     let done = match edit {
         StudyEdit::Label { .. } => "has its new label",
         StudyEdit::Archived { archived: true } => "is archived",
