@@ -119,7 +119,7 @@ class Analysis(_Exportable[_native.Analysis]):
 
     @property
     def case(self) -> Case:
-        """The case that was analysed."""
+        """The case that was analysed, with the file that it was read from. After :meth:`from_json` this file is not known."""
         return Case(self._native.case)
 
     @property

@@ -277,6 +277,24 @@ def test_an_input_is_never_replaced(tmp_path: Path) -> None:
         sl.Case.from_films([found.case.film("erect")]).save(path, overwrite=True)
 
 
+def test_the_case_of_an_analysis_does_not_have_the_file_of_an_option_as_its_own(
+    case: sl.Case, analysis: sl.Analysis, tmp_path: Path
+) -> None:
+    table = tmp_path / "own.json"
+    table.write_text(json.dumps(analysis.data["provenance"]["options"]["stiffness"]))
+    path = case.save(tmp_path / "case.json")
+    for given, own in ((case, []), (path, ["case.json"])):
+        found = sl.analyze(given, stiffness=table)
+        assert [one["name"] for one in found.data["provenance"]["inputs"]] == [*own, "own.json"]
+        again = sl.analyze(found.case)
+        assert [one["name"] for one in again.data["provenance"]["inputs"]] == own
+        parsed = sl.Analysis.from_json(found.to_json()).case
+        assert sl.analyze(parsed).data["provenance"]["inputs"] == []
+        for file in (table, path)[: 1 + len(own)]:
+            with pytest.raises(sl.InputError, match="would be destroyed"):
+                parsed.save(file, overwrite=True)
+
+
 def test_landmarks_and_pictures_of_a_case_are_never_replaced(tmp_path: Path) -> None:
     films = sl.phantom("rod", subject=1)
     [table] = films.to_csv(tmp_path, film="erect")

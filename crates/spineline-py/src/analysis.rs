@@ -22,7 +22,7 @@ use spineline_report::patient::{Patient as ReportedPatient, overview, report, su
 use spineline_report::{html, html_fragment, terminal};
 use spineline_tables::{Patient, tables};
 
-use crate::case::Case;
+use crate::case::{Case, Origin};
 use crate::fault::Fault;
 use crate::numbers;
 use crate::patient::{Finding, check_case, generator, run, words};
@@ -37,8 +37,8 @@ pub struct Analysis {
     pub analysis: analysis::Analysis,
     pub request: Request,
     pub provenance: Provenance,
-    /// SHA-256 of other files that its films came from.
-    pub made_from: Vec<String>,
+    /// The files that the case came from.
+    pub origin: Origin,
     pub identifiability: Option<Vec<Option<Identifiability>>>,
 }
 
@@ -167,14 +167,14 @@ impl Analysis {
         date_utc: String,
     ) -> PyResult<Self> {
         let (options, files) = options_of(words(&given)).map_err(Fault::from)?;
-        let sha256 = case.input.as_ref().map_or("", |input| &input.sha256);
+        let input = case.origin.input.as_ref();
+        let sha256 = input.map_or("", |input| &input.sha256);
         check_case(&files, sha256, &case.case.id)?;
         let request = Request { options, replicates: None, identifiability };
         let (found, identifiability) = waited_for(py, &case.case, &request)?;
-        let inputs =
-            case.input.iter().cloned().chain(files.into_iter().map(|one| one.file)).collect();
+        let inputs = input.cloned().into_iter().chain(files.into_iter().map(|one| one.file));
         let films = FilmOrigin::of([case.case.synthetic]);
-        let provenance = Provenance::new(run(command, date_utc), films, inputs);
+        let provenance = Provenance::new(run(command, date_utc), films, inputs.collect());
         let provenance = provenance.of_cases([case.case.id.clone()]).asking(&request);
         Ok(Self {
             file: Arc::clone(&case.file),
@@ -182,7 +182,7 @@ impl Analysis {
             analysis: found,
             request,
             provenance,
-            made_from: case.made_from.clone(),
+            origin: case.origin.clone(),
             identifiability,
         })
     }
@@ -196,12 +196,15 @@ impl Analysis {
         let (mut found, identifiability) = waited_for(py, &case, &request)?;
         let then = parse_json(text).map_err(Fault::from)?;
         found.warnings.merge(&picture_warnings(&then));
+        // The file does not say which of its inputs the case was read from: films may come from Python, and options from files.
+        let inputs = stored.provenance.inputs().iter();
+        let origin = Origin::of(inputs.map(|input| input.sha256.clone()).collect());
         let again = Self {
             file: Arc::new(stored.case_file),
             case,
             analysis: found,
             provenance: stored.provenance.asking(&request),
-            made_from: Vec::new(),
+            origin,
             request,
             identifiability,
         };
@@ -262,8 +265,7 @@ impl Analysis {
         Case {
             file: Arc::clone(&self.file),
             case: Arc::clone(&self.case),
-            input: self.provenance.inputs().first().cloned(),
-            made_from: self.made_from.clone(),
+            origin: self.origin.clone(),
         }
     }
 

@@ -25,16 +25,29 @@ use crate::wait::apart;
 pub struct Case {
     pub file: Arc<CaseFile>,
     pub case: Arc<analysis::Case>,
-    /// The file that it was read from.
+    pub origin: Origin,
+}
+
+/// The files that a case came from.
+#[derive(Clone, Default)]
+pub struct Origin {
+    /// The case file that it was read from.
     pub input: Option<InputFile>,
-    /// SHA-256 of other files that its films came from, such as landmarks.
+    /// SHA-256 of other files, such as landmarks.
     pub made_from: Vec<String>,
 }
 
+impl Origin {
+    /// Of a case that was not read from a case file.
+    pub fn of(made_from: Vec<String>) -> Self {
+        Self { input: None, made_from }
+    }
+}
+
 impl Case {
-    pub fn new(file: CaseFile, input: Option<InputFile>) -> Result<Self, Fault> {
+    pub fn new(file: CaseFile, origin: Origin) -> Result<Self, Fault> {
         let case = file.clone().into_case()?;
-        Ok(Self { file: Arc::new(file), case: Arc::new(case), input, made_from: Vec::new() })
+        Ok(Self { file: Arc::new(file), case: Arc::new(case), origin })
     }
 
     /// Frontal films, then the lateral one.
@@ -53,7 +66,8 @@ pub fn read_case(path: PathBuf, content: Option<Vec<u8>>) -> Result<Case, Fault>
         let text = text_of(&path, content)?;
         let (file, _) = parse_case_within(&text)?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        Case::new(file, Some(InputFile::of(name, text.as_bytes())))
+        let input = Some(InputFile::of(name, text.as_bytes()));
+        Case::new(file, Origin { input, ..Origin::default() })
     };
     read().map_err(|fault| fault.in_file(&path))
 }
@@ -61,7 +75,7 @@ pub fn read_case(path: PathBuf, content: Option<Vec<u8>>) -> Result<Case, Fault>
 /// Reads a case from the text of its file.
 #[pyfunction]
 pub fn parse_case(text: &str) -> Result<Case, Fault> {
-    Case::new(parse_case_file(text)?, None)
+    Case::new(parse_case_file(text)?, Origin::default())
 }
 
 /// A synthetic patient.
@@ -89,7 +103,7 @@ pub fn phantom(
     let readers = if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) };
     let made = apart(py, move |_| generate(subject - 1, scenario, &readers, seed))?;
     let made = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-    Ok(Case::new(CaseFile::from_case(&made.case), None)?)
+    Ok(Case::new(CaseFile::from_case(&made.case), Origin::default())?)
 }
 
 #[pymethods]
@@ -125,8 +139,8 @@ impl Case {
             FilmView::Frontal(posture) => self.file.source(posture),
             FilmView::Lateral => self.file.lateral_source(),
         });
-        let input = self.input.iter().map(|input| input.sha256.clone());
-        let files = input.chain(self.made_from.iter().cloned());
+        let input = self.origin.input.iter().map(|input| input.sha256.clone());
+        let files = input.chain(self.origin.made_from.iter().cloned());
         files.chain(pictures.filter_map(|picture| picture.sha256)).collect()
     }
 

@@ -8,7 +8,7 @@ use spineline::measure::{Film, FilmLandmarks, LateralFilm, SpacingPlane};
 use spineline_files::method_text::named;
 use spineline_files::{CaseFile, FilmSource, nearest};
 
-use crate::case::Case;
+use crate::case::{Case, Origin};
 use crate::fault::Fault;
 
 /// Identifier of a case that is one film.
@@ -43,7 +43,7 @@ pub fn one_film(
         Some(posture) => file.with_source(posture, source),
         None => file.with_lateral_source(source),
     };
-    Case::new(file, None)
+    Case::new(file, Origin::default())
 }
 
 /// One case of the films of these cases. It is synthetic if it is said to be, or if one of them is.
@@ -65,7 +65,7 @@ pub fn case_of_films(
     let case = analysis::Case { synthetic, lateral, ..analysis::Case::of_films(case_id, films) };
     let file = parts.iter().fold(CaseFile::from_case(&case), |file, one| with_pictures(file, one));
     let made_from = parts.iter().flat_map(|one| one.sources()).collect();
-    Ok(Case { made_from, ..Case::new(file, None)? })
+    Case::new(file, Origin::of(made_from))
 }
 
 /// Names the pictures of the films of another case.
@@ -93,8 +93,7 @@ pub fn film_of(case: &Case, name: &str) -> Result<Case, Fault> {
     }
     let synthetic = case.case.synthetic;
     let alone = analysis::Case { synthetic, lateral, ..analysis::Case::of_films(ALONE, films) };
-    let made = Case::new(with_pictures(CaseFile::from_case(&alone), case), None)?;
-    Ok(Case { made_from: case.sources(), ..made })
+    Case::new(with_pictures(CaseFile::from_case(&alone), case), Origin::of(case.sources()))
 }
 
 /// The plane of the millimetres of a case with one frontal film; None for a lateral film.

@@ -110,7 +110,7 @@ pub fn films_of_landmarks(
     let (mut films, remarks) = read().map_err(|fault| source.in_fault(fault.on_view(view)))?;
     let sha256 = source.bytes().ok().map(|bytes| sha256_hex(&bytes));
     for film in &mut films {
-        film.made_from.extend(sha256.clone());
+        film.origin.made_from.extend(sha256.clone());
     }
     Ok((films, remarks))
 }
