@@ -83,8 +83,8 @@ class MethodOptions(TypedDict, total=False):
 class Analysis(_Exportable[_native.Analysis]):
     """The results of all steps for one patient, made by :func:`analyze`. It does not change.
 
-    Two analyses are equal if case, options and results are. Pickle and copies hold the file of the analysis and repeat the
-    computation when they are read; another version of Spineline is refused.
+    Two analyses are equal if case, options and results are. Pickle holds the file of the analysis and repeats the computation
+    when it is read; another version of Spineline is refused. A copy is the object itself.
 
     Examples
     --------

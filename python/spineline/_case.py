@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
 from ._errors import InputError
-from ._export import _Exportable, export_all
+from ._export import _Exportable, export_all, with_native
 from ._extras import extra
-from ._film import Film, FilmOptions, film_with, films_of
+from ._film import Film, FilmOptions, films_of
 from ._html import html_table, marked
 from ._inputs import file_content, file_name
 from ._run import now_utc
@@ -136,7 +136,7 @@ class Case(_Exportable[_native.Case]):
         InputError
             If the film is missing.
         """
-        return film_with(_native.film_of(self._native, name))
+        return with_native(Film, _native.film_of(self._native, name))
 
     @property
     def landmarks(self) -> Table:

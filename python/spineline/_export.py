@@ -25,10 +25,13 @@ class _Native(Protocol):
 
 
 _N = TypeVar("_N", bound=_Native)
+_E = TypeVar("_E", bound="_Exportable[Any]")
 
 
 class _Exportable(Generic[_N]):
-    """An object that does not change and has a file. Pickle, copies and equality use the file."""
+    """An object that does not change and has a file. Pickle keeps the file and the hashes of its inputs, equality compares files, and a
+    copy is the object itself.
+    """
 
     __slots__ = ("_native",)
 
@@ -59,13 +62,20 @@ class _Exportable(Generic[_N]):
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (type(self).from_json, (self.to_json(),))  # type: ignore[attr-defined]
+        return (with_native, (type(self), self._native))
 
     def __deepcopy__(self, memo: object) -> Self:
         return self
 
     def __copy__(self) -> Self:
         return self
+
+
+def with_native(kind: type[_E], native: Any) -> _E:
+    """The object of this class with a native object."""
+    made = kind.__new__(kind)
+    made._native = native
+    return made
 
 
 def export(path: str | os.PathLike[str], text: str, *, overwrite: bool, sources: Collection[str]) -> Path:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from . import _native
 from ._errors import InputError
-from ._export import _Exportable
+from ._export import _Exportable, with_native
 from ._inputs import landmark_source
 from ._tables import Table
 from ._values import path, plain, real, renamed, text, texts, truth, whole, wrong
@@ -127,7 +127,7 @@ class Film(_Exportable[_native.Case]):
             raise InputError(
                 f"the case has {len(native.views)} films", help="read it as a case, and take `case.film(NAME)`"
             )
-        return film_with(_native.film_of(native, native.views[0]))
+        return with_native(cls, _native.film_of(native, native.views[0]))
 
     @property
     def name(self) -> str:
@@ -250,13 +250,6 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "levels": texts,
 }
 """What reads the value of every option."""
-
-
-def film_with(native: _native.Case) -> Film:
-    """The film of a case with one film."""
-    film = Film.__new__(Film)
-    film._native = native
-    return film
 
 
 def _side(found: str | None) -> str | None:

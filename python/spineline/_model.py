@@ -29,7 +29,7 @@ _Format = Literal["mjcf", "osim", "sto", "loads", "urdf", "vtp", "gltf"]
 class Model(_Exportable[_native.Model]):
     """A personalised model: vertebrae, joints, springs, and the loads that were found. It does not change.
 
-    Made by :meth:`Analysis.model` or :meth:`Model.from_json`. Pickle, copies and equality go by its file.
+    Made by :meth:`Analysis.model` or :meth:`Model.from_json`. Two models are equal if their files are.
 
     Examples
     --------

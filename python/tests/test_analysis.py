@@ -286,8 +286,8 @@ def test_the_case_of_an_analysis_does_not_have_the_file_of_an_option_as_its_own(
     for given, own in ((case, []), (path, ["case.json"])):
         found = sl.analyze(given, stiffness=table)
         assert [one["name"] for one in found.data["provenance"]["inputs"]] == [*own, "own.json"]
-        again = sl.analyze(found.case)
-        assert [one["name"] for one in again.data["provenance"]["inputs"]] == own
+        for one in (found.case, pickle.loads(pickle.dumps(found.case)), pickle.loads(pickle.dumps(found)).case):
+            assert [file["name"] for file in sl.analyze(one).data["provenance"]["inputs"]] == own
         parsed = sl.Analysis.from_json(found.to_json()).case
         assert sl.analyze(parsed).data["provenance"]["inputs"] == []
         for file in (table, path)[: 1 + len(own)]:
@@ -300,10 +300,12 @@ def test_landmarks_and_pictures_of_a_case_are_never_replaced(tmp_path: Path) -> 
     [table] = films.to_csv(tmp_path, film="erect")
     picture = tmp_path / "erect.png"
     picture.write_bytes(b"a picture")
-    film = sl.Film(table, film="erect", mm_per_px=0.1, picture=picture, size_px=(5000, 6000))
-    case = sl.Case.from_films([film], synthetic=True)
-    before = table.read_bytes()
-    for write in (case.save, sl.analyze(case).save, film.save):
+    erect = films.film("erect")
+    film = sl.Film(table, film="erect", mm_per_px=erect.mm_per_px, picture=picture, size_px=erect.size_px)
+    case = sl.Case.from_films([film, *map(films.film, films.films[1:])])
+    before, found = table.read_bytes(), sl.analyze(case)
+    made = [case, film, found, found.model()]
+    for write in [one.save for one in (*made, *pickle.loads(pickle.dumps(made)))]:
         for path in (table, picture):
             with pytest.raises(sl.InputError, match="would be destroyed"):
                 write(path, overwrite=True)

@@ -22,7 +22,7 @@ use spineline_report::patient::{Patient as ReportedPatient, overview, report, su
 use spineline_report::{html, html_fragment, terminal};
 use spineline_tables::{Patient, tables};
 
-use crate::case::{Case, Origin};
+use crate::case::{Case, Origin, Pickled};
 use crate::fault::Fault;
 use crate::numbers;
 use crate::patient::{Finding, check_case, generator, run, words};
@@ -167,12 +167,12 @@ impl Analysis {
         date_utc: String,
     ) -> PyResult<Self> {
         let (options, files) = options_of(words(&given)).map_err(Fault::from)?;
-        let input = case.origin.input.as_ref();
-        let sha256 = input.map_or("", |input| &input.sha256);
+        let input = case.origin.input();
+        let sha256 = input.as_ref().map_or("", |input| &input.sha256);
         check_case(&files, sha256, &case.case.id)?;
         let request = Request { options, replicates: None, identifiability };
         let (found, identifiability) = waited_for(py, &case.case, &request)?;
-        let inputs = input.cloned().into_iter().chain(files.into_iter().map(|one| one.file));
+        let inputs = input.into_iter().chain(files.into_iter().map(|one| one.file));
         let films = FilmOrigin::of([case.case.synthetic]);
         let provenance = Provenance::new(run(command, date_utc), films, inputs.collect());
         let provenance = provenance.of_cases([case.case.id.clone()]).asking(&request);
@@ -189,7 +189,8 @@ impl Analysis {
 
     /// Repeats an analysis from its file, which must give the same results. Replicates are left out.
     #[staticmethod]
-    fn repeat(py: Python<'_>, text: &str) -> PyResult<Self> {
+    #[pyo3(signature = (text, origin = None))]
+    fn repeat(py: Python<'_>, text: &str, origin: Option<Origin>) -> PyResult<Self> {
         let stored = parse_analysis(text).map_err(Fault::from)?;
         let request = Request { replicates: None, ..stored.request };
         let case = Arc::new(stored.case);
@@ -197,8 +198,8 @@ impl Analysis {
         let then = parse_json(text).map_err(Fault::from)?;
         found.warnings.merge(&picture_warnings(&then));
         // The file does not say which of its inputs the case was read from: films may come from Python, and options from files.
-        let inputs = stored.provenance.inputs().iter();
-        let origin = Origin::of(inputs.map(|input| input.sha256.clone()).collect());
+        let stated = stored.provenance.inputs().iter().map(|input| input.sha256.clone());
+        let origin = origin.unwrap_or_else(|| Origin::of(stated.collect()));
         let again = Self {
             file: Arc::new(stored.case_file),
             case,
@@ -385,6 +386,11 @@ impl Analysis {
             [place.column_px, place.row_px]
         });
         numbers::points(py, pixels).map(Some)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, Origin>> {
+        let repeat = py.get_type::<Self>().getattr("repeat")?;
+        Ok((repeat, (self.to_json(py), self.origin.clone())))
     }
 
     fn __eq__(&self, other: &Self) -> bool {

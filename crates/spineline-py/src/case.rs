@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use spineline::analysis::{self, AnalysisOptions};
 use spineline::anatomy::FilmView;
 use spineline_files::{
-    CaseFile, InputFile, MAX_FILE_BYTES, parse_case_file, parse_case_within, read_bytes, text_of,
-    to_text,
+    CaseFile, InputFile, MAX_FILE_BYTES, parse_case_file, parse_case_within, read_bytes,
+    sha256_hex, text_of, to_text,
 };
 use spineline_phantom::{Readers, SUBJECTS, Scenario, generate};
 
@@ -28,11 +28,12 @@ pub struct Case {
     pub origin: Origin,
 }
 
-/// The files that a case came from.
-#[derive(Clone, Default)]
+/// The files that a case came from: a dictionary in Python.
+#[derive(Clone, Default, FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
 pub struct Origin {
-    /// The case file that it was read from.
-    pub input: Option<InputFile>,
+    /// Name and SHA-256 of the case file that it was read from.
+    input: Option<(String, String)>,
     /// SHA-256 of other files, such as landmarks.
     pub made_from: Vec<String>,
 }
@@ -42,7 +43,15 @@ impl Origin {
     pub fn of(made_from: Vec<String>) -> Self {
         Self { input: None, made_from }
     }
+
+    /// The case file that it was read from.
+    pub fn input(&self) -> Option<InputFile> {
+        self.input.clone().map(|(name, sha256)| InputFile { name, sha256 })
+    }
 }
+
+/// For pickle: the function that makes an object again, the text of its file, and the files that it came from.
+pub type Pickled<'py, T> = (Bound<'py, PyAny>, (String, T));
 
 impl Case {
     pub fn new(file: CaseFile, origin: Origin) -> Result<Self, Fault> {
@@ -66,7 +75,7 @@ pub fn read_case(path: PathBuf, content: Option<Vec<u8>>) -> Result<Case, Fault>
         let text = text_of(&path, content)?;
         let (file, _) = parse_case_within(&text)?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        let input = Some(InputFile::of(name, text.as_bytes()));
+        let input = Some((name.into_owned(), sha256_hex(text.as_bytes())));
         Case::new(file, Origin { input, ..Origin::default() })
     };
     read().map_err(|fault| fault.in_file(&path))
@@ -74,8 +83,9 @@ pub fn read_case(path: PathBuf, content: Option<Vec<u8>>) -> Result<Case, Fault>
 
 /// Reads a case from the text of its file.
 #[pyfunction]
-pub fn parse_case(text: &str) -> Result<Case, Fault> {
-    Case::new(parse_case_file(text)?, Origin::default())
+#[pyo3(signature = (text, origin = None))]
+pub fn parse_case(text: &str, origin: Option<Origin>) -> Result<Case, Fault> {
+    Case::new(parse_case_file(text)?, origin.unwrap_or_default())
 }
 
 /// A synthetic patient.
@@ -139,8 +149,8 @@ impl Case {
             FilmView::Frontal(posture) => self.file.source(posture),
             FilmView::Lateral => self.file.lateral_source(),
         });
-        let input = self.origin.input.iter().map(|input| input.sha256.clone());
-        let files = input.chain(self.origin.made_from.iter().cloned());
+        let input = self.origin.input().map(|input| input.sha256);
+        let files = input.into_iter().chain(self.origin.made_from.iter().cloned());
         files.chain(pictures.filter_map(|picture| picture.sha256)).collect()
     }
 
@@ -159,6 +169,11 @@ impl Case {
     /// The text of its file.
     fn to_json(&self) -> String {
         to_text(&*self.file)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, Origin>> {
+        let parse = py.import("spineline._native")?.getattr("parse_case")?;
+        Ok((parse, (self.to_json(), self.origin.clone())))
     }
 
     fn __eq__(&self, other: &Self) -> bool {

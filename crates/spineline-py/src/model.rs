@@ -16,6 +16,7 @@ use spineline_files::{
 };
 
 use crate::analysis::Analysis;
+use crate::case::Pickled;
 use crate::fault::Fault;
 use crate::numbers;
 use crate::patient::generator;
@@ -30,12 +31,14 @@ pub struct Model {
     sources: Vec<String>,
 }
 
-/// Reads a model from the text of its file.
+/// Reads a model from the text of its file. Without `sources`, it was made from the inputs that the file states.
 #[pyfunction]
-pub fn parse_model_text(text: String) -> Result<Model, Fault> {
+#[pyo3(signature = (text, sources = None))]
+pub fn parse_model_text(text: String, sources: Option<Vec<String>>) -> Result<Model, Fault> {
     let stored = parse_model(&text)?;
     let inputs = stored.provenance.iter().flat_map(Provenance::inputs);
-    let sources = inputs.map(|input| input.sha256.clone()).collect();
+    let stated = inputs.map(|input| input.sha256.clone());
+    let sources = sources.unwrap_or_else(|| stated.collect());
     let model = stored.model;
     if model.spine.joints.is_empty() {
         let help = "give a model of at least two vertebrae";
@@ -66,8 +69,7 @@ impl Model {
         };
         let provenance = Some(analysis.provenance.clone());
         let file = ModelFile::new(found, model, &generator(), provenance);
-        let made = parse_model_text(text_with_hash(to_text(&file)))?;
-        Ok(Self { sources: analysis.sources(), ..made })
+        parse_model_text(text_with_hash(to_text(&file)), Some(analysis.sources()))
     }
 
     /// Identifier of the case.
@@ -158,6 +160,11 @@ impl Model {
         })?;
         let found = found.map_err(|error| Fault::new(&error, error.help()))?;
         Ok(Simulation { found, sources: self.sources.clone() })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py, Vec<String>>> {
+        let parse = py.import("spineline._native")?.getattr("parse_model_text")?;
+        Ok((parse, (self.text.clone(), self.sources.clone())))
     }
 
     fn __eq__(&self, other: &Self) -> bool {
