@@ -392,5 +392,5 @@ def phantom(
     'phantom-pull-03'
     """
     whose = whole("subject", subject, 1, 18)
-    made = text("scenario", scenario), whose, whole("seed", seed, 0, LARGEST_SEED), number("noise", noise)
+    made = text("scenario", scenario), whose, whole("seed", seed, 0, LARGEST_SEED), number("noise", noise, 0.0, 10.0)
     return Case(_native.phantom(*made))

@@ -46,8 +46,8 @@ def file_content(file: Any) -> bytes:
         raise TypeError(f"a path or a file is needed, not {type(file).__name__}")
     content = content.encode() if isinstance(content, str) else bytes(content)
     if len(content) > _native.MAX_FILE_BYTES:
-        name = file_name(file) or "the file"
-        raise InputError(f"{name} has more than {_native.MAX_FILE_BYTES >> 20} MB", help="give the file of one patient")
+        name, limit = file_name(file) or "the file", _native.MAX_FILE_BYTES >> 20
+        raise InputError(f"{name} has more than {limit} MB", help="give the file of one patient", limit=limit)
     return content
 
 

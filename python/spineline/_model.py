@@ -220,10 +220,6 @@ class Model(_Exportable[_native.Model]):
         return html_table(f"Model {marked(self.id, synthetic=self.synthetic)}", (), rows)
 
 
-_LARGEST_AMPLITUDE_DEG = 90.0
-"""Largest lateral tilt that is searched, as on the command line."""
-
-
 def _tilt_right_deg(amplitude_deg: float | None, towards: str | None) -> float | None:
     """The lateral tilt to the patient's right in degrees.
 
@@ -238,10 +234,7 @@ def _tilt_right_deg(amplitude_deg: float | None, towards: str | None) -> float |
         return None
     if towards not in ("left", "right"):
         raise wrong("towards", towards, 'give "left" or "right", the patient\'s side')
-    amplitude = number("amplitude_deg", amplitude_deg)
-    if not 0.0 <= amplitude <= _LARGEST_AMPLITUDE_DEG:
-        limit = 0.0 if amplitude < 0.0 else _LARGEST_AMPLITUDE_DEG
-        raise wrong("amplitude_deg", amplitude, "give a tilt from 0 to 90; the side is `towards`", limit=limit)
+    amplitude = number("amplitude_deg", amplitude_deg, 0.0, 90.0)
     return -amplitude if towards == "left" else amplitude
 
 

@@ -144,6 +144,8 @@ class Replicates(Mapping[str, Spread]):
             raise InputError(
                 f"`{name}` has no interval: {found.count} replicates have it, and an interval needs {fewest}",
                 help="give n=1000" if self.n < 1000 else "look at its `count`",
+                value=found.count,
+                limit=fewest,
             )
         return (quantiles[0], quantiles[4])
 

@@ -41,11 +41,12 @@ def real(name: str, value: Any) -> float:
     return found
 
 
-def number(name: str, value: Any) -> float:
-    """A finite number."""
+def number(name: str, value: Any, lowest: float = -math.inf, highest: float = math.inf) -> float:
+    """A finite number in these limits."""
     found = _real(value)
     if found is None or not math.isfinite(found):
         raise wrong(name, value, "give a finite number")
+    _check_limits(name, found, lowest, highest, f"give a number from {lowest:g} to {highest:g}")
     return found
 
 
@@ -62,8 +63,7 @@ def whole(name: str, value: Any, lowest: int, highest: int) -> int:
     found, help = plain(value), f"give a whole number from {lowest} to {highest}"
     if isinstance(found, bool) or not isinstance(found, int):
         raise wrong(name, value, help)
-    if not lowest <= found <= highest:
-        raise wrong(name, found, help, limit=float(lowest if found < lowest else highest))
+    _check_limits(name, found, lowest, highest, help)
     return found
 
 
@@ -102,6 +102,12 @@ def renamed(name: str, value: Any) -> dict[str, str]:
     if not isinstance(value, Mapping):
         raise wrong(name, value, "give a mapping of texts")
     return dict(zip(texts(name, list(value)), texts(name, list(value.values())), strict=True))
+
+
+def _check_limits(name: str, found: float, lowest: float, highest: float, help: str) -> None:
+    """Refuses a number outside of its limits."""
+    if not lowest <= found <= highest:
+        raise wrong(name, found, help, limit=float(lowest if found < lowest else highest))
 
 
 def _real(value: Any) -> float | None:

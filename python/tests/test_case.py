@@ -43,7 +43,7 @@ def test_a_missing_corner_is_named(case: sl.Case) -> None:
     columns["superior_left_row_px"][place] = 2e6  # type: ignore[call-overload]
     with pytest.raises(sl.InputError, match="is not a number between") as caught:
         sl.Case.from_landmarks(columns, film="erect", mm_per_px=0.14)
-    assert (caught.value.film, caught.value.level, caught.value.value) == ("erect", "T9", 2e6)
+    assert (caught.value.film, caught.value.level, caught.value.value, caught.value.limit) == ("erect", "T9", 2e6, 1e6)
     with pytest.raises(sl.InputError, match="did you mean `erect`"):
         sl.Case.from_landmarks(landmarks(case, "erect"), film="errect", mm_per_px=0.14)
     with pytest.raises(sl.InputError, match="`case_id` is `Doe, Jane`"):
@@ -78,6 +78,46 @@ def test_an_error_has_film_level_value_limit_and_help(case: sl.Case) -> None:
     check = broken.check()
     assert not check.ok and check[0].severity == "error" and check[0].film == "traction"
     assert "Error" in check._repr_html_()
+
+
+def test_an_error_has_the_value_and_the_limit_of_its_text(case: sl.Case, tmp_path: Path) -> None:
+    def with_age(age_years: float) -> object:
+        data = json.loads(case.to_json())
+        return sl.analyze(sl.Case.from_json(json.dumps(data | {"subject": {"age_years": age_years}})))
+
+    def with_turned_axis(deg: float) -> object:
+        data = json.loads(case.to_json())
+        data["films"][0]["readings"][0]["vertebrae"]["T9"]["axis_deg"] = deg
+        return sl.Case.from_json(json.dumps(data))
+
+    def with_spring(nm_per_rad: float) -> object:
+        table = sl.analyze(case).data["provenance"]["options"]["stiffness"]
+        table["joints"][0]["lateral_nm_per_rad"] = nm_per_rad
+        (tmp_path / "own.json").write_text(json.dumps(table))
+        return sl.analyze(case, stiffness=tmp_path / "own.json")
+
+    def everywhere(value: float) -> list[object]:
+        return ["" if level == "iliac_crests" else value for level in erect["vertebra"]]
+
+    erect = landmarks(case, "erect")
+    confident = erect | {f"{corner}_confidence": everywhere(1.5) for corner in CORNERS}
+    turned = erect | {"axis_clockwise_deg": everywhere(200.0)}
+    for made, value, limit in (
+        (lambda: sl.Film(erect, film="erect", mm_per_px=-0.1), -0.1, 0.0001),
+        (lambda: sl.Film(erect, film="erect", mm_per_px=5.5), 5.5, 5.0),
+        (lambda: sl.Film(confident, film="erect", mm_per_px=0.14), 1.5, 1.0),
+        (lambda: sl.Film(turned, film="erect", mm_per_px=0.14), 200.0, 180.0),
+        (lambda: with_age(-1.0), -1.0, 0.0),
+        (lambda: with_age(130.0), 130.0, 125.0),
+        (lambda: with_turned_axis(-200.0), -200.0, -180.0),
+        (lambda: with_spring(-2.0), -2000.0, 0.0),
+        (lambda: sl.phantom(noise=20.0), 20.0, 10.0),
+        (lambda: sl.phantom(subject=0), 0.0, 1.0),
+        (lambda: sl.analyze(case, order_rule=99), 99.0, None),
+    ):
+        with pytest.raises(sl.InputError) as caught:
+            made()
+        assert (caught.value.value, caught.value.limit) == (value, limit), str(caught.value)
 
 
 def test_a_check_lists_doubts_as_a_table(case: sl.Case) -> None:

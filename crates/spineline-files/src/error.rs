@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 
 use spineline::analysis::{CASE_ID_RULE, LENKE_RULE};
-use spineline::anatomy::{Level, Posture, Region};
+use spineline::anatomy::{FilmView, Level, Posture, Region};
+use spineline::fault::ErrorPlace;
 use spineline::number::{fixed, scientific};
 
 /// Limits of the cranial distance from a vertebra's midpoint to its neighbour's, in mm: a fifth of a small child's distance and
@@ -53,6 +54,7 @@ spineline::faults! {
             limit >> 20
         )]
         #[help("check that it is the right file; give a cohort as one file per patient")]
+        #[at(value = bytes.map(|bytes| bytes.div_ceil(1 << 20) as f64), limit = (*limit >> 20) as f64)]
         TooLarge {
             path: PathBuf,
             /// Its size, where it states one; pipes and devices do not.
@@ -118,12 +120,14 @@ spineline::faults! {
             "{posture} film: some vertebrae have corners and some have locations; a film holds one kind"
         )]
         #[help(ONE_KIND_HELP)]
+        #[at(film = FilmView::from(*posture))]
         MixedKinds {
             posture: Posture,
         },
         /// Corners without a picture.
         #[error("{posture} film: corners need an `image` with its spacing and `patient_left`")]
         #[help("add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left")]
+        #[at(film = FilmView::from(*posture))]
         NoImage {
             posture: Posture,
         },
@@ -132,12 +136,14 @@ spineline::faults! {
             "{posture} film: `placement_source` is `surface_midline`, but the film has no locations and tilts"
         )]
         #[help("remove `placement_source`: a surface midline gives locations and tilts, not corners")]
+        #[at(film = FilmView::from(*posture))]
         SourceOfCorners {
             posture: Posture,
         },
         /// An angle of more than half a turn.
         #[error("{place}: `{key}` is {deg}, and must be from -180 to 180")]
         #[help("give the angle in degrees, without full turns")]
+        #[at(value = *deg, limit = ErrorPlace::limit(*deg, -180.0, 180.0))]
         Angle {
             place: String,
             /// The key of the angle.
@@ -148,12 +154,14 @@ spineline::faults! {
         /// Locations in millimetres of a film without millimetres.
         #[error("{posture} film: its locations are in mm, but their plane is `pixels`")]
         #[help("give the `plane` of `lengths` as patient, detector or unknown")]
+        #[at(film = FilmView::from(*posture))]
         LengthsOfPixels {
             posture: Posture,
         },
         /// A unit of locations in a film of corners.
         #[error("{posture} film: `lengths` is given, but the film has no locations and tilts")]
         #[help("remove `lengths`: corners take their unit from the spacing and `spacing_plane` of `image`")]
+        #[at(film = FilmView::from(*posture))]
         LengthsOfCorners {
             posture: Posture,
         },
@@ -162,6 +170,7 @@ spineline::faults! {
             "{posture} film: `column_spacing_mm`, `row_spacing_mm`, `pixel_aspect` and `spacing_plane` contradict one another"
         )]
         #[help("give both spacings and their plane (patient, detector or unknown), or neither and `pixels`, with `pixel_aspect` where pixels are not square")]
+        #[at(film = FilmView::from(*posture))]
         SpacingIncomplete {
             posture: Posture,
         },
@@ -170,10 +179,12 @@ spineline::faults! {
             "lateral film: `column_spacing_mm` and `row_spacing_mm` are given together and without `pixel_aspect`, or not at all"
         )]
         #[help("give both spacings, `pixel_aspect` alone, or leave out all three")]
+        #[at(film = FilmView::Lateral)]
         LateralSpacing,
         /// A spacing in millimetres for a film in pixels.
         #[error("{posture} film: `spacing_plane` is `pixels`, but a spacing in mm is given")]
         #[help("remove the spacings, or give their plane: patient, detector or unknown")]
+        #[at(film = FilmView::from(*posture))]
         SpacingOfPixels {
             posture: Posture,
         },
@@ -197,7 +208,8 @@ spineline::faults! {
         /// A stiffness table that the model cannot use.
         #[error(transparent)]
         #[help("`spineline schema stiffness` prints the format; give every joint from L4/L3 to T3/T2 one row")]
-        Stiffness(#[from] spineline::multibody::StiffnessError),
+        #[at(level = error.place().level, value = error.place().value, limit = error.place().limit)]
+        Stiffness(#[from] spineline::multibody::StiffnessError as error),
         /// A prior of joint rotations whose numbers are not a distribution.
         #[error(transparent)]
         #[help(LEARN_HELP)]
@@ -267,6 +279,7 @@ spineline::faults! {
             NEIGHBOURS_MM[1]
         )]
         #[help(MODEL_HELP)]
+        #[at(level = *above, value = *cranial_mm)]
         ModelPlace {
             /// The caudal one.
             below: Level,
@@ -343,6 +356,7 @@ spineline::faults! {
             if *right_handed { "" } else { " and are left-handed" }
         )]
         #[help(MODEL_HELP)]
+        #[at(level = *level, value = *departure)]
         ModelAxes {
             level: Level,
             /// Largest element of `RᵀR - 1`.
@@ -353,6 +367,7 @@ spineline::faults! {
         /// A region that ends outside of its model.
         #[error("the region {region} names {level}, which is not a vertebra of this model")]
         #[help(MODEL_HELP)]
+        #[at(level = *level)]
         Region {
             region: Region,
             /// What it names.

@@ -1,4 +1,5 @@
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{FilmView, Level, Posture};
+use spineline::fault::ErrorPlace;
 use spineline::measure::{MeasureError, OBSERVER_RULE};
 use spineline_files::FileError;
 use spineline_marking::MidlineError;
@@ -8,6 +9,7 @@ pub(crate) const GIVE_SIDE: &str = "name the film of the file, as in `--landmark
 /// How to give the posture of a film.
 pub(crate) const GIVE_POSTURE: &str =
     "name the film of the file, as in `--landmarks erect=FILE`; in Python give `film`";
+const CORRECT_VALUE: &str = "correct the value; write numbers without units or formulas";
 /// Remedy for contradicting parts of a file.
 pub(crate) const CORRECT: &str = "correct the file at that place";
 
@@ -19,10 +21,12 @@ spineline::faults! {
         /// The file could not be read, or is too large.
         #[error(transparent)]
         #[help(error.help())]
+        #[at(film = error.place().film, level = error.place().level, value = error.place().value, limit = error.place().limit)]
         File(#[from] FileError as error),
         /// Above a limit.
         #[error("{what}: {found}; the limit is {limit}")]
         #[help("give the landmarks of one patient in one file")]
+        #[at(value = *found as f64, limit = *limit as f64)]
         TooLarge {
             /// What exceeds the limit.
             what: &'static str,
@@ -97,12 +101,27 @@ spineline::faults! {
         },
         /// A cell or value that is not a number, or is implausible.
         #[error("{at}: `{value}` is not {expected}")]
-        #[help("correct the value; write numbers without units or formulas")]
+        #[help(CORRECT_VALUE)]
+        #[at(value = value.parse::<f64>().ok())]
         Value {
             at: String,
             /// Value found.
             value: String,
             expected: &'static str,
+        },
+        /// A number outside of its limits.
+        #[error("{at}: `{value}` is not {expected}")]
+        #[help(CORRECT_VALUE)]
+        #[at(value = *value, limit = ErrorPlace::limit(*value, limits[0], limits[1]))]
+        Outside {
+            /// Where in the file.
+            at: String,
+            /// Value found.
+            value: f64,
+            /// Expected value.
+            expected: &'static str,
+            /// The least and the most.
+            limits: [f64; 2],
         },
         /// An invalid code of an observer.
         #[error("{at}: the observer is `{value}`, and must be {OBSERVER_RULE}")]
@@ -150,6 +169,7 @@ spineline::faults! {
         /// A midline on which no levels can be placed.
         #[error("{at}: {fault}")]
         #[help(fault.help())]
+        #[at(value = fault.place().value, limit = fault.place().limit)]
         Midline {
             at: String,
             fault: MidlineError,
@@ -201,6 +221,7 @@ spineline::faults! {
         /// An error of a film or vertebra that is known.
         #[error("{error}")]
         #[help(error.help())]
+        #[at(film = posture.map(FilmView::from), level = *level, value = error.place().value, limit = error.place().limit)]
         Placed {
             posture: Option<Posture>,
             level: Option<Level>,
@@ -209,6 +230,7 @@ spineline::faults! {
         /// Landmarks that cannot be measured.
         #[error(transparent)]
         #[help(error.help())]
+        #[at(film = error.place().film, level = error.place().level, value = error.place().value, limit = error.place().limit)]
         Marks(#[from] MeasureError as error),
     }
 }
@@ -227,24 +249,6 @@ impl LandmarkError {
             _ => self,
         }
     }
-
-    /// Film and vertebra, where they are known.
-    #[must_use]
-    pub const fn place(&self) -> (Option<Posture>, Option<Level>) {
-        match self {
-            Self::Placed { posture, level, .. } => (*posture, *level),
-            _ => (None, None),
-        }
-    }
-
-    /// The number that cannot be used, if it is one.
-    #[must_use]
-    pub fn value(&self) -> Option<f64> {
-        match self.cause() {
-            Self::Value { value, .. } => value.parse().ok(),
-            _ => None,
-        }
-    }
 }
 
 spineline::faults! {
@@ -255,11 +259,13 @@ spineline::faults! {
         /// The posture has no film.
         #[error("the case has no {0} film")]
         #[help("name a posture that the case has a film of")]
-        NoFilm(spineline::anatomy::Posture),
+        #[at(film = FilmView::from(*posture))]
+        NoFilm(Posture as posture),
         /// Locations and tilts instead of corners.
         #[error("{0} film: it holds locations and tilts of another program, and no corners")]
         #[help("give a case whose vertebrae have corners, or export as CSV or Slicer")]
-        NoCorners(spineline::anatomy::Posture),
+        #[at(film = FilmView::from(*posture))]
+        NoCorners(Posture as posture),
         /// Films with corners and films with locations do not go into one table.
         #[error("some films hold corners and some hold locations; a table holds only one kind")]
         #[help("export one posture at a time")]
@@ -269,7 +275,8 @@ spineline::faults! {
             "{0} film: its levels were estimated on a surface midline, which this format cannot state"
         )]
         #[help("pass on the case file or the midline itself")]
-        Estimated(spineline::anatomy::Posture),
+        #[at(film = FilmView::from(*posture))]
+        Estimated(Posture as posture),
         /// The name of an observer that a format cannot represent.
         #[error("the observer `{name}` cannot be written: {reason}")]
         #[help("give the observer a short code without control characters")]
@@ -287,6 +294,7 @@ spineline::faults! {
         /// A coordinate that a format cannot represent.
         #[error("{what}, {level}: a corner is not a number, or lies outside of the picture")]
         #[help("run `spineline check CASE` to list the problems of the landmarks")]
+        #[at(level = *level)]
         Corner {
             /// Film and reading.
             what: String,

@@ -372,19 +372,21 @@ pub(super) fn confidence(value: f64, at: &str) -> Result<f64, LandmarkError> {
     if (0.0..=1.0).contains(&value) {
         return Ok(value);
     }
-    Err(LandmarkError::Value {
+    Err(LandmarkError::Outside {
         at: at.to_owned(),
-        value: value.to_string(),
+        value,
         expected: "a confidence from 0 to 1",
+        limits: [0.0, 1.0],
     })
 }
 
 /// An angle of at most half a turn.
 pub(super) fn degrees(deg: f64, at: &str) -> Result<Angle, LandmarkError> {
-    Angle::within_half_turn(deg).ok_or_else(|| LandmarkError::Value {
+    Angle::within_half_turn(deg).ok_or_else(|| LandmarkError::Outside {
         at: at.to_owned(),
-        value: deg.to_string(),
+        value: deg,
         expected: "an angle in degrees from -180 to 180",
+        limits: [-180.0, 180.0],
     })
 }
 

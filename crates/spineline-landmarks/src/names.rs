@@ -129,10 +129,11 @@ pub(super) fn coordinate(value: f64, at: &str) -> Result<f64, LandmarkError> {
     if value.is_finite() && value.abs() <= MAX_COORDINATE {
         Ok(value)
     } else {
-        Err(LandmarkError::Value {
+        Err(LandmarkError::Outside {
             at: at.to_owned(),
-            value: value.to_string(),
+            value,
             expected: "a number between -1000000 and 1000000",
+            limits: [-MAX_COORDINATE, MAX_COORDINATE],
         })
     }
 }

@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use spineline::anatomy::{Level, Morphometry, UnknownLevel};
+use spineline::fault::ErrorPlace;
 use spineline::measure::Placement;
 use spineline::number::fixed;
 use spineline::spatial::Frontal;
@@ -120,6 +121,7 @@ spineline::faults! {
             fixed(*high_mm, 0)
         )]
         #[help("give millimetres, and check which vertebrae the line ends at")]
+        #[at(value = *length_mm, limit = ErrorPlace::limit(*length_mm, *low_mm, *high_mm))]
         Length {
             /// Length along the line.
             length_mm: f64,
@@ -137,6 +139,7 @@ spineline::faults! {
             fixed(*limit_mm, 0)
         )]
         #[help("give more points of the line, at least one per vertebra")]
+        #[at(value = *gap_mm, limit = *limit_mm)]
         Gap {
             /// Index of the first of the two.
             after: usize,

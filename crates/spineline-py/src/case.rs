@@ -11,7 +11,7 @@ use spineline_files::{
     CaseFile, InputFile, MAX_FILE_BYTES, parse_case_file, parse_case_within, read_bytes,
     sha256_hex, text_of, to_text,
 };
-use spineline_phantom::{Readers, SUBJECTS, Scenario, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 use spineline_report::patient::{check, film_warnings};
 use spineline_report::{html_fragment, terminal};
@@ -88,7 +88,7 @@ pub fn parse_case(text: &str, origin: Option<Origin>) -> Result<Case, Fault> {
     Case::new(parse_case_file(text)?, origin.unwrap_or_default())
 }
 
-/// A synthetic patient.
+/// A synthetic patient. The package has checked subject and noise.
 #[pyfunction]
 pub fn phantom(
     py: Python<'_>,
@@ -102,14 +102,6 @@ pub fn phantom(
         let text = format!("unknown loading scenario `{scenario}`");
         return Err(Fault::new(text, format!("give one of {}", names.join(", "))).into());
     };
-    if !(1..=SUBJECTS.len()).contains(&subject) {
-        let text = format!("subject {subject}: there are subjects 1 to {}", SUBJECTS.len());
-        return Err(Fault::new(text, "give one of them").into());
-    }
-    if !(0.0..=10.0).contains(&noise) {
-        let text = format!("noise {noise}: the factor must be from 0 to 10");
-        return Err(Fault::new(text, "give 1 for the usual noise of readers").into());
-    }
     let readers = if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) };
     let made = apart(py, move |_| generate(subject - 1, scenario, &readers, seed))?;
     let made = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;

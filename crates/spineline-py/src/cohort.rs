@@ -54,7 +54,7 @@ pub fn identify_cases(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Vec<Strin
     let (identities, patients): (Vec<String>, Vec<Option<PatientMarks>>) = read.into_iter().unzip();
     for (path, patient) in paths.iter().zip(patients) {
         let added = patient.map_or(Ok(()), |patient| known.add(patient));
-        added.map_err(|error| Fault::new(&error, error.help()).in_file(path))?;
+        added.map_err(|error| Fault::of(&error).in_file(path))?;
     }
     Ok(identities)
 }

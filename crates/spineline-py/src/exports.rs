@@ -8,8 +8,8 @@ use spineline::analysis::{AnalysisOptions, analyze};
 use spineline::anatomy::Posture;
 use spineline_files::{unguarded, whole_number};
 use spineline_landmarks::{
-    LandmarkExportError, LandmarkTarget, SourceImage, export_landmarks, landmark_rows,
-    lateral_rows, openable_pictures, parse_source, read_source,
+    LandmarkTarget, SourceImage, export_landmarks, landmark_rows, lateral_rows, openable_pictures,
+    parse_source, read_source,
 };
 use spineline_tables::{NumberFormat, Series, Table as Columns, Values};
 
@@ -23,7 +23,7 @@ use crate::table::Table;
 #[pyfunction]
 pub fn landmark_table(case: &Case, is_lateral: bool) -> Result<Table, Fault> {
     let rows = if is_lateral { lateral_rows(&case.case) } else { landmark_rows(&case.case) };
-    let mut rows = rows.map_err(|error| refused(&error))?;
+    let mut rows = rows.map_err(|error| Fault::of(&error))?;
     let heading = rows.remove(0);
     let columns = heading.into_iter().enumerate();
     let columns = columns.map(|(place, name)| column(name, rows.iter().map(|row| &*row[place])));
@@ -111,7 +111,7 @@ pub fn landmark_files<'py>(
             LandmarkTarget::DicomSr { sources: &sources, curves: &curves, written: [date, time] }
         }
     };
-    let files = export_landmarks(&case.case, posture, target).map_err(|error| refused(&error))?;
+    let files = export_landmarks(&case.case, posture, target).map_err(|error| Fault::of(&error))?;
     let left_out = target.left_out(&case.case).into_iter();
     notes.extend(
         left_out.map(|part| format!("this format has no place for {part}; the case keeps them")),
@@ -150,8 +150,4 @@ fn dicom_sources(
         );
     }
     Ok(sources)
-}
-
-fn refused(error: &LandmarkExportError) -> Fault {
-    Fault::new(error, error.help())
 }

@@ -126,7 +126,7 @@ impl Model {
             return Err(Fault::new(text, help));
         };
         let written = export(&self.model, format, &generator());
-        written.map_err(|error| Fault::new(&error, error.help()))
+        written.map_err(|error| Fault::of(&error))
     }
 
     /// The model under the loads of a load file, up to their full size or up to a lateral tilt to the patient's right.
@@ -158,7 +158,7 @@ impl Model {
                 }
             })
         })?;
-        let found = found.map_err(|error| Fault::new(&error, error.help()))?;
+        let found = found.map_err(|error| Fault::of(&error))?;
         Ok(Simulation { found, sources: self.sources.clone() })
     }
 

@@ -195,7 +195,7 @@ pub fn run_replicates(
     done: &AtomicU64,
 ) -> Result<Uncertainty, Fault> {
     let monte_carlo = MonteCarlo::new(case, nominal, asked.noise, asked.seed)
-        .map_err(|error| Fault::new(&error, error.help()))?;
+        .map_err(|error| Fault::of(&error))?;
     let block = BLOCK.saturating_mul(pool.current_num_threads() as u64);
     let mut tally = monte_carlo.tally();
     let mut next = 0;

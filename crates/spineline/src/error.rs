@@ -36,7 +36,7 @@ faults! {
         #[error("the age of the patient is {age_years} years, and must be from 0 to {limit_years}")]
         #[code("age")]
         #[help("correct `age_years` of the subject, or leave it out")]
-        #[at(value = *age_years, limit = *limit_years)]
+        #[at(value = *age_years, limit = ErrorPlace::limit(*age_years, 0.0, *limit_years))]
         Age {
             age_years: f64,
             /// The largest that is taken.
@@ -134,5 +134,9 @@ impl Error {
 impl Remedy for Error {
     fn help(&self) -> &'static str {
         Error::help(self)
+    }
+
+    fn place(&self) -> ErrorPlace {
+        Error::place(self)
     }
 }

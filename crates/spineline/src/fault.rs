@@ -17,16 +17,30 @@ pub struct ErrorPlace {
     pub limit: Option<f64>,
 }
 
+impl ErrorPlace {
+    /// The limit that a value misses, of two; `None` for a value that is not a number.
+    #[must_use]
+    pub fn limit(value: f64, least: f64, most: f64) -> Option<f64> {
+        (!value.is_nan()).then(|| if value > most { most } else { least })
+    }
+}
+
 /// An error that says what the user can do about it.
 pub trait Remedy: Display {
     /// What the user can do about it.
     fn help(&self) -> &'static str;
+
+    /// What it is about, for programs, where that is known.
+    fn place(&self) -> ErrorPlace {
+        ErrorPlace::default()
+    }
 }
 
 /// Defines an enum of errors, each with its message and its remedy.
 ///
-/// The remedy is an expression that sees the fields of its variant. Where a variant has parentheses, `as` names its field. A field has a
-/// comment where its name and the message leave something open.
+/// The remedy is an expression that sees the fields of its variant. Where a variant has parentheses, `as` names its field. An `at` names
+/// the film, the vertebra, the value and the limit that the fault concerns, and sees the fields too. A field has a comment where its name
+/// and the message leave something open.
 ///
 /// ```
 /// spineline::faults! {
@@ -36,6 +50,7 @@ pub trait Remedy: Display {
 ///         /// The paper is too small.
 ///         #[error("the paper is {width_mm} mm wide")]
 ///         #[help(if *width_mm < 100 { "use larger paper" } else { "print fewer columns" })]
+///         #[at(value = f64::from(*width_mm), limit = 100.0)]
 ///         Paper {
 ///             /// Its width.
 ///             width_mm: u32,
@@ -46,12 +61,12 @@ pub trait Remedy: Display {
 ///         Case(#[from] spineline::error::Error as error),
 ///     }
 /// }
-/// assert_eq!(SheetError::Paper { width_mm: 90 }.help(), "use larger paper");
+/// let error = SheetError::Paper { width_mm: 90 };
+/// assert_eq!((error.help(), error.place().limit), ("use larger paper", Some(100.0)));
 /// ```
 ///
 /// # Errors of the steps of an analysis
-/// Where every variant also has a code, the enum takes no derives. An `at` names the film, the vertebra, the value and the limit that the
-/// fault concerns, and sees the fields too; with `on film` the remedy sees the film.
+/// Where every variant also has a code, the enum takes no derives; with `on film` the remedy sees the film.
 #[macro_export]
 macro_rules! faults {
     (
@@ -115,6 +130,7 @@ macro_rules! faults {
                 $(#[doc = $doc:literal])+
                 #[error($($message:tt)+)]
                 #[help($help:expr)]
+                $(#[at($($key:ident = $value:expr),+)])?
                 $fault:ident
                 $({ $($(#[doc = $field_doc:literal])* $field:ident: $type:ty,)+ })?
                 $(($(#[$from:ident])? $inner:ty $(as $cause:ident)?))?,
@@ -139,11 +155,26 @@ macro_rules! faults {
                     $(Self::$fault { $($($field,)+)? $($(0: $cause,)?)? .. } => $help,)+
                 }
             }
+
+            /// The place that the fault states.
+            #[must_use]
+            $vis fn place(&self) -> $crate::fault::ErrorPlace {
+                match self {
+                    $(Self::$fault { $($($field,)+)? $($(0: $cause,)?)? .. } => $crate::fault::ErrorPlace {
+                        $($($key: Option::from($value),)+)?
+                        ..$crate::fault::ErrorPlace::default()
+                    },)+
+                }
+            }
         }
 
         impl $crate::fault::Remedy for $name {
             fn help(&self) -> &'static str {
                 <$name>::help(self)
+            }
+
+            fn place(&self) -> $crate::fault::ErrorPlace {
+                <$name>::place(self)
             }
         }
     };

@@ -1,6 +1,6 @@
 //! The formats of other programs, and what they cannot hold.
 
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{FilmView, Level, Posture};
 
 use crate::error::MODEL_HELP;
 
@@ -74,12 +74,14 @@ spineline::faults! {
         /// Two bodies would have one name.
         #[error("vertebra {level} is given twice")]
         #[help(MODEL_HELP)]
+        #[at(level = *level)]
         LevelTwice {
             level: Level,
         },
         /// Two films of one posture would have one name.
         #[error("the {posture} film has two loads")]
         #[help(MODEL_HELP)]
+        #[at(film = FilmView::from(*posture))]
         FilmTwice {
             posture: Posture,
         },
@@ -88,6 +90,7 @@ spineline::faults! {
             "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad; it must be positive and finite"
         )]
         #[help(MODEL_HELP)]
+        #[at(level = *superior, value = *value, limit = 0.0)]
         Spring {
             inferior: Level,
             superior: Level,

@@ -282,10 +282,11 @@ impl Table<'_> {
         if share > 0.0 {
             return Ok(Some(share));
         }
-        Err(LandmarkError::Value {
+        Err(LandmarkError::Outside {
             at: row.cell_place(SD_SHARE),
-            value: share.to_string(),
+            value: share,
             expected: "a standard deviation above zero",
+            limits: [0.0, f64::INFINITY],
         })
     }
 

@@ -418,10 +418,11 @@ impl List {
         })?;
         for step in steps {
             if !(step.is_finite() && step > 1e-4) {
-                return Err(LandmarkError::Value {
+                return Err(LandmarkError::Outside {
                     at: self.at.clone(),
-                    value: step.to_string(),
+                    value: step,
                     expected: "a pixel spacing above 0.0001 mm",
+                    limits: [1e-4, f64::INFINITY],
                 });
             }
         }

@@ -189,9 +189,11 @@ fn an_axis_of_more_than_half_a_turn_in_a_report_is_refused() {
         LandmarkTarget::DicomSr { sources: &sources, curves: &[], written: ["20260131", "101500"] };
     let files = export_landmarks(&case, None, target).expect("reports");
     let error = parse_landmarks(&files[0].bytes, &LandmarkHint::default()).expect_err("200°");
-    let LandmarkError::Value { at, value, expected } = error else { panic!("{error}") };
+    let place = error.place();
+    let LandmarkError::Outside { at, expected, .. } = error else { panic!("{error}") };
     assert!(at.starts_with("measurement group"), "{at}");
-    assert!((value.parse::<f64>().expect("a number") - 200.0).abs() < 1e-9, "{value}");
+    assert!((place.value.expect("a number") - 200.0).abs() < 1e-9, "{place:?}");
+    assert_eq!(place.limit, Some(180.0));
     assert_eq!(expected, "an angle in degrees from -180 to 180");
 }
 

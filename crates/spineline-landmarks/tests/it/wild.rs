@@ -114,8 +114,9 @@ fn a_table_from_memory_is_named_by_its_rows_with_film_vertebra_and_value() {
     let text = table().replacen("T12,546.25", "T12,-1e7", 1);
     let error = parse_landmarks(text.as_bytes(), &hint).expect_err("far outside");
     assert!(error.to_string().starts_with("row 5 of the table, column `"), "{error}");
-    assert_eq!(error.place(), (Some(Posture::Erect), Some(Level::T12)));
-    assert!(error.value().is_some_and(|value| value < -1e6), "{error}");
+    let place = error.place();
+    assert_eq!((place.film, place.level), (Some(Posture::Erect.into()), Some(Level::T12)));
+    assert_eq!((place.value, place.limit), (Some(-1e7), Some(-1e6)), "{error}");
     let mistyped = table().replacen("superior_left_row_px", "superior_left_rwo_px", 1);
     let error = parse_landmarks(mistyped.as_bytes(), &hint).expect_err("a typo").to_string();
     assert!(error.starts_with("the heading of the table"), "{error}");
@@ -204,7 +205,7 @@ fn a_key_point_that_was_not_placed_is_missing_by_its_name() {
         let error =
             refused(coco(CORNERS, "T5", first).as_bytes(), &["T5", "missing: superior_left"]);
         assert!(matches!(error.cause(), LandmarkError::Incomplete { .. }), "{first}: {error:?}");
-        assert_eq!(error.place(), (None, Some(Level::T5)));
+        assert_eq!((error.place().film, error.place().level), (None, Some(Level::T5)));
         let all = format!("{first},{first},{first},{first}");
         let text = coco(CORNERS, "T5", &all).replacen(",10,5,2,52,30,2,12,29,1]", "]", 1);
         let file = parse_coco(text.as_bytes(), &hint()).expect(first);

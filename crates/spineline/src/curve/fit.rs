@@ -3,7 +3,7 @@ use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Vector3};
 use super::series::{Series, for_each_basis};
 use super::{Curve, CurveFit, CurveForm, MIN_TURN, find_inflections};
 use crate::anatomy::{FilmView, Posture};
-use crate::fault::faults;
+use crate::fault::{ErrorPlace, faults};
 use crate::measure::{ErrorRate, Measured, MeasuredVertebra, Outline, Whitening};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
@@ -45,7 +45,7 @@ faults! {
         #[error("polynomial order {order} is outside of {} to {limit}", ORDERS.start())]
         #[code("curve_order")]
         #[help(ORDER_HELP)]
-        #[at(value = *order as f64, limit = *limit as f64)]
+        #[at(value = *order as f64, limit = ErrorPlace::limit(*order as f64, *ORDERS.start() as f64, *limit as f64))]
         Order {
             /// The requested value.
             order: usize,

@@ -2,7 +2,7 @@ use super::observer::OBSERVER_HELP;
 use super::order::out_of_order_words;
 use super::{
     CornerFault, CornerOrder, FilmPlace, FilmSize, FilmTooLarge, OBSERVER_RULE, PedicleFault,
-    ReadingId,
+    ReadingId, Spacing,
 };
 use crate::anatomy::{FilmView, Level, Levels, Posture};
 use crate::fault::{ErrorPlace, Remedy, faults};
@@ -47,6 +47,10 @@ impl MeasureError {
 impl Remedy for MeasureError {
     fn help(&self) -> &'static str {
         MeasureError::help(self)
+    }
+
+    fn place(&self) -> ErrorPlace {
+        MeasureError::place(self)
     }
 }
 
@@ -99,10 +103,10 @@ faults! {
             count: usize,
         },
         /// The distance between pixels is none that a film has.
-        #[error("{direction} spacing is {value} mm, and must be above 0.0001 mm and at most 5 mm")]
+        #[error("{direction} spacing is {value} mm, and must be above {} mm and at most {} mm", Spacing::MIN_MM, Spacing::MAX_MM)]
         #[code("spacing")]
         #[help("state the distance between pixel centres in mm")]
-        #[at(value = *value)]
+        #[at(value = *value, limit = ErrorPlace::limit(*value, Spacing::MIN_MM, Spacing::MAX_MM))]
         Spacing {
             /// Which of the two spacings.
             direction: &'static str,
@@ -124,7 +128,7 @@ faults! {
         )]
         #[code("body_size")]
         #[help("correct the scale of the film, or the corners of this vertebra")]
-        #[at(level = *level, value = *size_mm, limit = if size_mm < least_mm { *least_mm } else { *most_mm })]
+        #[at(level = *level, value = *size_mm, limit = ErrorPlace::limit(*size_mm, *least_mm, *most_mm))]
         BodySize {
             level: Level,
             /// `wide` or `high`.
@@ -157,7 +161,7 @@ faults! {
         #[error("the standard deviation of the scale is {value} of the scale, and must be 0 to {most}{}", percent_words(*value, *most))]
         #[code("scale_sd")]
         #[help("give it as a part of the scale: 0.033 for 3.3 %; leave it out where it is not known")]
-        #[at(value = *value, limit = *most)]
+        #[at(value = *value, limit = ErrorPlace::limit(*value, 0.0, *most))]
         ScaleSd {
             value: f64,
             most: f64,
@@ -232,7 +236,7 @@ faults! {
         #[error("a confidence is {value}, and must be from 0 to 1{}", percent_words(*value, 1.0))]
         #[code("confidence")]
         #[help("give the probability that the program assigns to the landmark, or no confidence at all")]
-        #[at(value = *value)]
+        #[at(value = *value, limit = ErrorPlace::limit(*value, 0.0, 1.0))]
         Confidence {
             value: f64,
         },
@@ -240,7 +244,7 @@ faults! {
         #[error("the standard deviation of the corners is {value} of the height of the body, and must be above 0 and at most {most}{}", percent_words(*value, *most))]
         #[code("corner_sd")]
         #[help("give it as a part of the height of the body")]
-        #[at(value = *value, limit = *most)]
+        #[at(value = *value, limit = ErrorPlace::limit(*value, 0.0, *most))]
         CornerSd {
             value: f64,
             most: f64,
@@ -420,6 +424,9 @@ mod tests {
             .at(FilmView::Lateral)
             .place();
         assert_eq!((place.film, place.value), (Some(FilmView::Lateral), Some(-1.0)));
+        let limits = [-1.0, 6.0, f64::NAN]
+            .map(|value| MeasureFault::Spacing { direction: "row", value }.place().limit);
+        assert_eq!(limits, [Some(0.0001), Some(5.0), None]);
     }
 
     #[test]

@@ -119,7 +119,7 @@ impl Spacing {
     pub const MIN_MM: f64 = 1e-4;
 
     /// With coarser pixels a thoracic body is three or four pixels high, too few for its corners (assumption).
-    const MAX_MM: f64 = 5.0;
+    pub(super) const MAX_MM: f64 = 5.0;
 
     /// Whether a distance between pixels can be meant: finite, not the `0.000` that some devices write, and fine enough for the
     /// corners of a vertebra.

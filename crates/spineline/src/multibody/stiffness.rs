@@ -1,6 +1,6 @@
 use crate::anatomy::{Level, Levels, Region, named};
 use crate::clinical::Regions;
-use crate::fault::faults;
+use crate::fault::{ErrorPlace, faults};
 use crate::spatial::{Mat3, Vec3};
 
 /// The springs of one joint.
@@ -94,7 +94,7 @@ faults! {
         #[error("joint {inferior}/{superior}: the axial rotation per lateral rotation is {value}, and must lie between -{MAX_COUPLING} and {MAX_COUPLING}; give 0 for a joint without coupling")]
         #[code("stiffness")]
         #[help(HELP)]
-        #[at(level = *superior, value = *value)]
+        #[at(level = *superior, value = *value, limit = ErrorPlace::limit(*value, -MAX_COUPLING, MAX_COUPLING))]
         Coupling {
             inferior: Level,
             superior: Level,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::stream::stream;
 use crate::analysis::{Analysis, Case};
-use crate::anatomy::{Level, Posture, named};
+use crate::anatomy::{FilmView, Level, Posture, named};
 use crate::fault::faults;
 use crate::measure::{
     CornerName, Corners, Film, FilmLandmarks, ImageGeometry, InterpolationError, Noise, Origin,
@@ -79,6 +79,7 @@ faults! {
         /// A deviation below zero, or none.
         #[error("the noise standard deviation is {sd_px} px and must be ≥ 0 px")]
         #[help("give a standard deviation in pixels, such as 3")]
+        #[at(value = *sd_px, limit = 0.0)]
         Deviation {
             /// What was given.
             sd_px: f64,
@@ -88,6 +89,7 @@ faults! {
             "{posture} film: it has locations and tilts but no corners, so noise in pixels does not apply"
         )]
         #[help("use the measured noise")]
+        #[at(film = FilmView::from(*posture))]
         NoPicture {
             posture: Posture,
         },
