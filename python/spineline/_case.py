@@ -206,6 +206,12 @@ class Case(_Exportable[_native.Case]):
             As for :meth:`to_csv`.
         dicom
             The DICOM file of every film, by its posture. Reports contain the patient's name and number from these files.
+
+        Raises
+        ------
+        InputError, FileExistsError
+            As :meth:`to_csv`, and if a DICOM file is missing or is not the film with the landmarks: where the case states another
+            SHA-256 or another size.
         """
         return self._write("dicom-sr", folder, film, overwrite, dicom)
 

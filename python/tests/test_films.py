@@ -384,8 +384,11 @@ def test_landmarks_are_written_as_the_program_writes_them(
 
 
 def test_reports_need_the_dicom_files_of_the_films(case: sl.Case, tmp_path: Path) -> None:
-    with pytest.raises(sl.InputError, match="erect film: its DICOM file is missing"):
+    with pytest.raises(sl.InputError, match="erect film: its DICOM file is missing") as caught:
         case.to_dicom_sr(tmp_path, dicom={})
+    assert caught.value.film == "erect"
+    with pytest.raises(sl.InputError, match="did you mean `erect`"):
+        case.to_dicom_sr(tmp_path, dicom={"errect": b""})
     wrong = tmp_path / "erect.dcm"
     wrong.write_bytes(b"no DICOM file")
     with pytest.raises(sl.InputError, match="erect"):
@@ -409,6 +412,11 @@ def test_reports_are_as_the_program_writes_them(
     paths = case.to_dicom_sr(tmp_path / "ours", film="erect", dicom={"erect": dicom})
     assert [path.name for path in paths] == [f"erect-{number}.dcm" for number in range(1, 7)]
     assert all(path.read_bytes() == (tmp_path / "theirs" / path.name).read_bytes() for path in paths)
+    bend = folder / str(case.film("left_bending").picture)
+    for other in (bend, bend.read_bytes()):
+        with pytest.raises(sl.InputError, match="erect film: .*different SHA-256") as caught:
+            case.to_dicom_sr(tmp_path / "other", film="erect", dicom={"erect": other})
+        assert caught.value.film == "erect" and not (tmp_path / "other").exists()
     erect = case.film("erect")
     again = sl.Film(paths[0], picture=dicom, size_px=erect.size_px, mm_per_px=erect.mm_per_px)
     assert (again.name, again.picture, len(again.landmarks)) == ("erect", dicom.name, 16)

@@ -302,8 +302,18 @@ spineline::faults! {
         },
         /// The picture does not match the landmarks.
         #[error("{0}")]
-        #[help("name the film's DICOM file as `file` of its `image` in the case")]
+        #[help("name the film's DICOM file as `file` of its `image` in the case; in Python give it as `dicom`")]
         Source(String),
+        /// Another file than the one with the landmarks.
+        #[error("{posture} film: {why}")]
+        #[help("give the film on which the landmarks were placed, or correct `sha256` of its `image` in the case")]
+        #[at(film = FilmView::from(*posture))]
+        OtherFile {
+            /// The film.
+            posture: Posture,
+            /// Why.
+            why: String,
+        },
         /// The DICOM writer refused.
         #[error("the report could not be encoded: {0}")]
         #[help("remove unusual characters from the names in the case")]

@@ -47,7 +47,10 @@ pub use film::{
 pub use labelme::parse_labelme;
 pub use midline::parse_midlines;
 pub use slicer::parse_slicer;
-pub use sr::{ReportOf, SourceImage, parse_source, read_source, read_sr, write_sr};
+pub use sr::{
+    ReportOf, SourceImage, parse_film_source, parse_source, read_film_source, read_source, read_sr,
+    write_sr,
+};
 
 /// Maximum size of a file of landmarks.
 pub const MAX_BYTES: u64 = 64 << 20;

@@ -9,7 +9,7 @@ use spineline::anatomy::Posture;
 use spineline_files::{unguarded, whole_number};
 use spineline_landmarks::{
     LandmarkTarget, SourceImage, export_landmarks, landmark_rows, lateral_rows, openable_pictures,
-    parse_source, read_source,
+    parse_film_source, read_film_source,
 };
 use spineline_tables::{NumberFormat, Series, Table as Columns, Values};
 
@@ -130,24 +130,28 @@ fn posture(film: &str) -> Result<Posture, Fault> {
 /// The DICOM files of the films of a posture or of all.
 fn dicom_sources(
     case: &Case,
-    posture: Option<Posture>,
+    only: Option<Posture>,
     dicom: &BTreeMap<String, Source>,
 ) -> Result<BTreeMap<Posture, SourceImage>, Fault> {
+    let given = dicom.iter().map(|(name, source)| Ok((posture(name)?, source)));
+    let given: BTreeMap<Posture, &Source> = given.collect::<Result<_, Fault>>()?;
     let mut sources = BTreeMap::new();
-    for film in case.case.films.iter().filter(|film| posture.is_none_or(|p| p == film.posture)) {
-        let key = film.posture.key();
-        let source = dicom.get(key).ok_or_else(|| {
-            let text = format!("{} film: its DICOM file is missing", film.posture);
-            Fault::new(text, format!("give its path, as in `dicom={{\"{key}\": \"{key}.dcm\"}}`"))
+    for film in case.case.films.iter().filter(|film| only.is_none_or(|p| p == film.posture)) {
+        let (posture, key) = (film.posture, film.posture.key());
+        let source = given.get(&posture).ok_or_else(|| {
+            let text = format!("{posture} film: its DICOM file is missing");
+            let help = format!("give its path, as in `dicom={{\"{key}\": \"{key}.dcm\"}}`");
+            Fault::new(text, help).on_film(Some(posture))
         })?;
+        let stated = case.file.source(posture).unwrap_or_default();
         let read = match source {
-            Source::Bytes(bytes) => parse_source(bytes, &format!("{} film", film.posture)),
-            Source::Path(path) => read_source(path),
+            Source::Bytes(bytes) => {
+                parse_film_source(posture, &stated, bytes, &format!("{posture} film"))
+            }
+            Source::Path(path) => read_film_source(posture, &stated, path),
         };
-        sources.insert(
-            film.posture,
-            read.map_err(|error| Fault::new(&error, "give the DICOM file of this film"))?,
-        );
+        let read = read.map_err(|error| Fault::of(&error).on_film(Some(posture)))?;
+        sources.insert(posture, read);
     }
     Ok(sources)
 }

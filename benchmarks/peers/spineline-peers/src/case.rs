@@ -144,6 +144,7 @@ impl Case {
                 let [inferior, apex, superior] = self.regions[i];
                 RegionBounds { region: Region::ALL[i], inferior, apex, superior }
             }),
+            are_curves: true,
         }
     }
 

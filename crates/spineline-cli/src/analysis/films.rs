@@ -6,7 +6,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline::warning::{WarningCode, Warnings};
-use spineline_files::{CaseFile, sha256_hex};
+use spineline_files::{CaseFile, FilmSource};
 use spineline_films::{Stated, film_doubts};
 use spineline_landmarks::{parse_source, read_source};
 
@@ -20,7 +20,7 @@ struct Beside {
     size: (u32, u32),
     place: PathBuf,
     /// As the case states it.
-    sha256: Option<String>,
+    source: FilmSource,
 }
 
 impl Beside {
@@ -45,14 +45,8 @@ impl Beside {
     /// Why these bytes are not the film with the landmarks: by their SHA-256, or by the size that a DICOM file states.
     fn other_file(&self, bytes: &[u8]) -> Option<String> {
         let size = || parse_source(bytes, "").ok().map(|source| source.size);
-        other_bytes(self.sha256.as_deref(), bytes).or_else(|| other_size(size()?, self.size))
+        self.source.other_bytes(bytes).or_else(|| other_size(size()?, self.size))
     }
-}
-
-/// Why these bytes are not the film with the landmarks, if the case states another SHA-256.
-pub fn other_bytes(stated: Option<&str>, bytes: &[u8]) -> Option<String> {
-    let is_other = stated? != sha256_hex(bytes);
-    is_other.then(|| "its file is not the one with the landmarks (different SHA-256)".to_owned())
 }
 
 /// Why a picture of this size, columns first, is not the film with the landmarks, if the case states another size.
@@ -92,8 +86,8 @@ fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
     });
     let placed = frontal.chain(lateral).filter_map(|(posture, size, source)| {
         // `CaseFile::into_case` refuses a name in another folder.
-        let place = folder.join(source.file?);
-        Some(Beside { posture, size, place, sha256: source.sha256 })
+        let place = folder.join(source.file.as_ref()?);
+        Some(Beside { posture, size, place, source })
     });
     placed.filter(|film| film.place.is_file()).collect()
 }

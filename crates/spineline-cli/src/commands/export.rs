@@ -10,18 +10,16 @@ use spineline::analysis::{AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline_files::{
-    CaseFile, ExportFormat, FileError, FilmOrigin, FilmSource, InputFile, Provenance,
-    ProvenanceFile, export, parse_case_file, read_text, to_text,
+    CaseFile, ExportFormat, FileError, FilmOrigin, InputFile, Provenance, ProvenanceFile, export,
+    parse_case_file, read_text, to_text,
 };
 use spineline_landmarks::{
     ExportedFile, LandmarkTarget, SourceImage, export_landmarks, export_lateral, openable_pictures,
-    read_source,
+    read_film_source,
 };
 
-use crate::analysis::films::other_bytes;
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
-use crate::run::film_decoder::film_bytes;
 use crate::run::inputs::{read_input, read_model};
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout};
@@ -236,20 +234,11 @@ fn read_sources(
     let folder = args.file.parent().unwrap_or(Path::new(""));
     let mut sources = BTreeMap::new();
     for film in case.films.iter().filter(|film| args.posture.is_none_or(|p| p == film.posture)) {
-        let Some(FilmSource { file: Some(name), sha256, .. }) = file.source(film.posture) else {
-            continue;
-        };
+        let stated = file.source(film.posture).unwrap_or_default();
+        let Some(name) = &stated.file else { continue };
         // `CaseFile::into_case` refuses a name in another folder.
-        let place = folder.join(&name);
-        let source =
-            read_source(&place).map_err(|error| Failure::of(args.file.display(), &error))?;
-        if let Some(stated) = sha256
-            && let Some(why) = other_bytes(Some(&stated), &film_bytes(&place)?)
-        {
-            let what = format!("{} film, {name}: {why}", film.posture);
-            let help = "put the film on which the landmarks were placed beside the case, or correct `sha256` of its `image` in the case";
-            return Err(Failure::input(args.file.display(), what, help));
-        }
+        let source = read_film_source(film.posture, &stated, &folder.join(name));
+        let source = source.map_err(|error| Failure::of(args.file.display(), &error))?;
         sources.insert(film.posture, source);
     }
     Ok(sources)

@@ -8,7 +8,7 @@ use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 
 use crate::FileError;
-use crate::digest::is_sha256;
+use crate::digest::{is_sha256, sha256_hex};
 use crate::json::parse_value;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -101,6 +101,14 @@ impl FilmSource {
     fn stated(file: Option<&String>, sha256: Option<&String>, inverted: bool) -> Self {
         let sha256 = sha256.map(|text| text.to_ascii_lowercase());
         Self { file: file.cloned(), sha256, inverted }
+    }
+
+    /// Why these bytes are not the film with the landmarks, if the case states another SHA-256.
+    #[must_use]
+    pub fn other_bytes(&self, bytes: &[u8]) -> Option<String> {
+        let is_other = *self.sha256.as_ref()? != sha256_hex(bytes);
+        is_other
+            .then(|| "its file is not the one with the landmarks (different SHA-256)".to_owned())
     }
 
     /// Refuses a file in a folder, and a text that is not a SHA-256.

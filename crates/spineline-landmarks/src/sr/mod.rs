@@ -19,7 +19,7 @@ mod source;
 mod write;
 
 pub use read::read_sr;
-pub use source::{parse_source, read_source};
+pub use source::{parse_film_source, parse_source, read_film_source, read_source};
 pub use write::write_sr;
 
 use spineline::anatomy::{Posture, Region};

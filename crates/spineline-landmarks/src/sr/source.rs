@@ -2,6 +2,8 @@ use std::path::Path;
 
 use dicom_core::Tag;
 use dicom_dictionary_std::tags;
+use spineline::anatomy::Posture;
+use spineline_files::FilmSource;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_films::read_data_set;
 
@@ -13,13 +15,43 @@ use crate::LandmarkExportError;
 /// # Errors
 /// [`LandmarkExportError::Source`] for a file that is not DICOM or lacks identifiers.
 pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
-    let place = Place::File(path.to_owned());
-    let bytes = read(&place, &IntakeLimits::default())
-        .map_err(|error| LandmarkExportError::Source(error.to_string()))?;
-    parse_source(&bytes, &path.display().to_string())
+    parse_source(&bytes_of(path)?, &path.display().to_string())
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, LandmarkExportError> {
+    let bytes = read(&Place::File(path.to_owned()), &IntakeLimits::default());
+    bytes.map_err(|error| LandmarkExportError::Source(error.to_string()))
+}
+
+/// The same of the film on which a case's landmarks were placed, as the case states its file.
+///
+/// # Errors
+/// As [`read_source`], and [`LandmarkExportError::OtherFile`].
+pub fn read_film_source(
+    posture: Posture,
+    stated: &FilmSource,
+    path: &Path,
+) -> Result<SourceImage, LandmarkExportError> {
+    parse_film_source(posture, stated, &bytes_of(path)?, &path.display().to_string())
 }
 
 /// The same from the bytes of a file; errors use this name.
+///
+/// # Errors
+/// As [`read_film_source`].
+pub fn parse_film_source(
+    posture: Posture,
+    stated: &FilmSource,
+    bytes: &[u8],
+    name: &str,
+) -> Result<SourceImage, LandmarkExportError> {
+    match stated.other_bytes(bytes) {
+        Some(why) => Err(LandmarkExportError::OtherFile { posture, why }),
+        None => parse_source(bytes, name),
+    }
+}
+
+/// [`read_source`] from the bytes of a file; errors use this name.
 pub fn parse_source(bytes: &[u8], name: &str) -> Result<SourceImage, LandmarkExportError> {
     let unfit = |reason: &str| LandmarkExportError::Source(format!("{name}: {reason}"));
     let object = read_data_set(bytes).map_err(|error| unfit(&error.to_string()))?;

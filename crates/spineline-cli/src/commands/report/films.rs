@@ -8,7 +8,7 @@ use spineline::measure::{FilmLandmarks, ImageGeometry};
 use spineline_files::{CaseFile, FilmSource};
 use spineline_report::figures::FilmPicture;
 
-use crate::analysis::films::{other_bytes, other_size};
+use crate::analysis::films::other_size;
 use crate::run::failure::Failure;
 use crate::run::film_decoder::{Decoder, film_bytes};
 use crate::run::threads::map_all;
@@ -60,7 +60,7 @@ fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, St
     let name = film.source.file.as_deref().unwrap_or_default();
     // `CaseFile::into_case` refuses a name in another folder.
     let bytes = film_bytes(&folder.join(name)).map_err(|error| error.to_string())?;
-    if let Some(why) = other_bytes(film.source.sha256.as_deref(), &bytes) {
+    if let Some(why) = film.source.other_bytes(&bytes) {
         return Err(why);
     }
     let picture = decoder.decode(bytes).map_err(|error| error.to_string())?;
