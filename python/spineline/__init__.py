@@ -15,12 +15,13 @@ True
 
 from __future__ import annotations
 
-from ._analysis import Analysis, Curve, FilmErrors, MethodOptions, analyze
+from ._analysis import Analysis, Curve, FilmErrors, analyze
 from ._case import Case, Check, Finding, phantom, read_case
 from ._cohort import Cohort, CohortRun
 from ._errors import InputError, NotAResultError
 from ._film import Film, FilmOptions
 from ._loads import Force, Gravity, Pad, Rod
+from ._method import MethodOptions
 from ._model import Model, Simulation
 from ._native import VERSION as __version__
 from ._parts import Part

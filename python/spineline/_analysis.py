@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
 from ._case import Case, Finding, read_case
 from ._errors import InputError
 from ._export import _Exportable, export
+from ._method import MethodOptions, as_words
 from ._run import command, now_utc, without_folders
 from ._tables import Tables
-from ._values import numbers, plain, truth
+from ._values import truth
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,55 +29,6 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LineName = Literal["inflection", "iliac", "estimated", "given"]
-
-
-class MethodOptions(TypedDict, total=False):
-    """Options of the method, with the names and values of ``spineline analyze --help``.
-
-    Examples
-    --------
-    >>> import spineline as sl
-    >>> options: sl.MethodOptions = {"support": "frontal", "fit": "shape"}
-    >>> sl.analyze(sl.phantom("rod", subject=1), **options).is_usable
-    True
-    """
-
-    method: Literal["default", "paper"]
-    """Method; every other option that is given replaces one of its choices."""
-    order_rule: str | int
-    """Order of the curves: ``"leave-one-out"``, ``"two-inflections"``, ``"paper"``, or 4 to 12."""
-    gauge: str
-    """Scale constraint: ``"geometric-mean"``, ``"frozen-force"`` or ``"known-force:POSTURE=NEWTON"``."""
-    support: Literal["free", "frontal"]
-    """Support of the patient."""
-    reference: str
-    """``"unloaded"``, or ``"loaded:50"``: the springs carry the trunk of a body of 50 kg on the erect film alone."""
-    fit: Literal["shape", "ferguson"]
-    """Quantity that the stiffness is fitted to."""
-    tilt: Literal["endplates", "axis"]
-    """Landmarks from which the tilt of a vertebra is measured."""
-    amplitude: Literal["l4-t2", "t1-l5"]
-    """Vertebrae between which the amplitude of a film is measured."""
-    film_lengths: str | float
-    """``"per-film"``, ``"as-marked"``, or a standard deviation in percent."""
-    end_vertebrae: str
-    """``"erect"``, ``"each-film"``, or such as ``"main-thoracic=T12/T5"``."""
-    multipliers: Literal["regional", "fixed-regions", "per-joint"]
-    """Joints that share a stiffness multiplier."""
-    prior: str | float
-    """``"none"``, ``"in-vivo"``, or a standard deviation of ln."""
-    rotation_prior: str | os.PathLike[str]
-    """File of ``spineline learn-prior``: joint rotations of other patients, for predictions without mechanics or with the tilt of T2."""
-    stiffness: str | os.PathLike[str]
-    """Table to start from: ``"motion-segments"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, ``"coupled"``, or a file."""
-    inflections: str | Sequence[str]
-    """Inflections set by hand, caudal first, such as ``("L1/T12", "T6")``."""
-    min_curve: float
-    """Minimum angle of a curve between inflections, in degrees."""
-    given_line: Mapping[str, Sequence[float]]
-    """Lines of action by posture: y and z of a point in mm, and the lateral tilt in degrees, positive to the right."""
-    compare_models: str | Sequence[str]
-    """Other loads and bases to compare: ``"all"``, or names."""
 
 
 class Analysis(_Exportable[_native.Analysis]):
@@ -471,11 +422,6 @@ def analyze(
     return Analysis(_native.Analysis(case._native, words, identifiability, call, now_utc()))
 
 
-def as_words(options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Options in the words of the command line."""
-    return [pair for name, value in options.items() for pair in _as_text(name, value)]
-
-
 def _line_key(analysis: Analysis, line: str) -> str:
     """The name in files of a line that has a model.
 
@@ -507,15 +453,3 @@ def check_models(analysis: Analysis) -> None:
             f"{analysis.id}: the analysis has no model",
             help="a model needs a bending film with a line of action, and the scale of every film",
         )
-
-
-def _as_text(name: str, value: Any) -> list[tuple[str, str]]:
-    value = plain(value)
-    if isinstance(value, Mapping):
-        return [
-            (name, f"{key}={','.join(map(repr, numbers(name, parts)))}")
-            for key, parts in value.items()
-        ]
-    if isinstance(value, (list, tuple)):
-        return [(name, ",".join(str(part) for part in value))]
-    return [(name, os.fspath(value) if isinstance(value, os.PathLike) else str(value))]

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from . import _native
-from ._analysis import MethodOptions, as_words
 from ._errors import InputError
 from ._extras import extra
 from ._html import html_table
+from ._method import MethodOptions, as_words
 from ._parts import CaseRead, Part, Request, Task, analyze_part, digest_of, table_file
 from ._progress import Progress, shown
 from ._run import build_identity, write_whole
