@@ -230,8 +230,7 @@ class Curve:
 
     def __init__(self, native: _native.Analysis, film: str) -> None:
         self._native = native
-        self.film = film
-        native.check_film(film)
+        self.film = native.film_name(film)
 
     @property
     def points_mm(self) -> Floats:

@@ -72,12 +72,14 @@ class CohortRun:
         Raises
         ------
         InputError
-            If the table is unknown, or one of its files is missing or has lost rows.
+            If the table is unknown, one of its files is missing or has lost rows, or all parts were lost.
         """
         with extra("pandas"):
             import pyarrow
             import pyarrow.parquet
         names = sorted({name for part in self.parts for name in part.rows})
+        if not names:
+            raise InputError("the run has no finished part", help="see `lost` for the reasons, and run the cohort again")
         if table not in names:
             meant = _native.did_you_mean(table, names)
             raise InputError(
@@ -195,9 +197,9 @@ class Cohort(Sequence[Path]):
             Cases per task: a task should take 10 to 60 s on a cluster; with 1000 replicates, a few cases.
         replicates
             Number of Monte Carlo replicates of every case, computed by the workers, one thread each. They add the table
-            ``uncertainty``, with the rows of ``spineline analyze --replicates``. By default 0.
+            ``uncertainty``, with the rows of ``spineline analyze --replicates``. By default none.
         noise, seed
-            As in :func:`replicates`. The noise of a case depends on the seed and its identifier, and not on its place in the
+            As in :func:`replicates`, for replicates only. The noise of a case depends on the seed and its identifier, and not on its place in the
             cohort.
         progress
             Whether a line on standard error counts the finished cases; by default if it is a terminal. Or a function, which is
@@ -220,6 +222,8 @@ class Cohort(Sequence[Path]):
                 "`spineline analyze FOLDER --tables OUT --identifiability`",
             )
         chunk = whole("chunk", chunk, 1, MOST)
+        if replicates is None and (str(noise), seed) != ("measured", 1):
+            raise InputError("`noise` and `seed` are for `replicates`", help="give the number of replicates too, or leave them out")
         count = None if replicates is None else whole("replicates", replicates, 2, MOST)
         asked = None if count is None else (count, str(noise), whole("seed", seed, 0, LARGEST_SEED))
         request = _request(as_words(dict(options)), asked)

@@ -37,7 +37,7 @@ class FilmOptions(TypedDict, total=False):
     mm_per_px: float | tuple[float, float] | None
     """Distance of pixel centres in mm, one number or (columns, rows). Without it, results have angles, but no lengths."""
     plane: Literal["patient", "detector", "unknown"]
-    """The plane in which ``mm_per_px``, or the locations of a table in mm, are true. By default ``"unknown"``."""
+    """The plane in which ``mm_per_px``, or the locations of a table in mm, are true. By default ``"unknown"``. Not for a lateral film."""
     patient_left: ImageSide
     """Side of the stored picture with the patient's left, by default ``"image-left"``. A wrong side is found and refused."""
     patient_anterior: ImageSide
@@ -50,7 +50,7 @@ class FilmOptions(TypedDict, total=False):
     """File of the picture. The case keeps its name and SHA-256, and not its folder: save the case beside it. Needs ``size_px`` if
     the landmarks do not state the size."""
     inverted: bool
-    """Whether the picture is shown with inverted grey levels. By default not."""
+    """Whether ``picture`` is shown with inverted grey levels. By default not."""
     columns: Mapping[str, str]
     """Columns of the table with other names than in the CSV format: ``{"level": "vertebra"}``."""
     ignore: Sequence[str]

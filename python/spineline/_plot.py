@@ -62,7 +62,7 @@ class Plot:
         InputError
             If the film is missing, or a film has no spacing.
         """
-        films = self._analysis.films if film is None else [film]
+        films = self._analysis.films if film is None else [self._analysis.curve(film).film]
         if ax is not None:
             for number, one in enumerate(films):
                 self._draw(ax, one, _FILMS[number % len(_FILMS)])
@@ -182,27 +182,33 @@ class Plot:
         ax.set_title(f"{self._title()} (grey: without mechanics)")
         return ax
 
-    def model3d(self, line: str = "inflection", *, simulation: Simulation | None = None) -> Any:
+    def model3d(self, line: str | None = None, *, simulation: Simulation | None = None) -> Any:
         """The model in space as a plotly figure, which turns with the mouse. Needs plotly (the extra ``model3d``).
 
         Parameters
         ----------
         line
-            The line of action with which the model was fitted.
+            The line of action with which the model was fitted; by default the line of the simulation, or else ``"inflection"``.
         simulation
-            A loaded shape to draw beside the erect one.
+            A loaded shape of this model to draw beside the erect one.
 
         Raises
         ------
         InputError
-            If the analysis has no model with this line.
+            If the analysis has no model with this line, or the simulation is of another case or line.
         NotAResultError
             If the simulation has no shape to show.
         """
         with extra("model3d"):
             import plotly.graph_objects as go
 
-        model = self._analysis.model(line)
+        drawn = None if simulation is None else simulation._model
+        model = self._analysis.model(line or ("inflection" if drawn is None else drawn.line))
+        if drawn is not None and (drawn.id, drawn.line) != (model.id, model.line):
+            raise InputError(
+                f"the simulation is of {drawn.id} with the {_words(drawn.line)}, and the model of {model.id} with the {_words(model.line)}",
+                help="simulate the loads on the model of this analysis",
+            )
         shapes = [("erect", model.midpoints_mm, "#000000")]
         if simulation is not None:
             shapes.append((f"loaded ({simulation.status})", simulation.midpoints_mm, "#D55E00"))

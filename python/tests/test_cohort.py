@@ -455,8 +455,11 @@ def test_one_path_is_not_a_cohort(tmp_path: Path) -> None:
     assert list(sl.Cohort([path])) == [path]
 
 
-def test_identifiability_of_a_cohort_is_refused_with_the_way_to_it(tmp_path: Path) -> None:
+def test_options_that_a_cohort_does_not_use_are_refused_with_the_way_to_them(tmp_path: Path) -> None:
     cohort = sl.Cohort([sl.phantom("rod", subject=1).save(tmp_path / "case.json")])
+    for given in ({"noise": 0.5}, {"seed": 2}):
+        with pytest.raises(sl.InputError, match="are for `replicates`"):
+            cohort.analyze(out=tmp_path / "out", **given)  # type: ignore[arg-type]
     with pytest.raises(sl.InputError, match="does not compute `identifiability`") as caught:
         cohort.analyze(out=tmp_path / "out", identifiability=True)  # type: ignore[call-arg]
     assert "analyze(case, identifiability=True)" in caught.value.help

@@ -268,6 +268,8 @@ def test_a_lateral_film_is_part_of_a_case(case: sl.Case) -> None:
         sl.Film(lateral_table(), film="lateral")
     with pytest.raises(sl.InputError, match="`patient_left` is not for the lateral film"):
         sl.Film(lateral_table(), **options, patient_left="image-left")
+    with pytest.raises(sl.InputError, match="`plane` is not for the lateral film"):
+        sl.Film(lateral_table(), **options, plane="patient")
     with pytest.raises(sl.InputError):
         sl.Film(lateral_table(superior_anterior_row_px=[2000.0] * 15), **options)
     with pytest.raises(sl.InputError, match="two films are lateral"):
@@ -301,6 +303,8 @@ def test_a_picture_is_kept_by_name_and_content(film: sl.Film, tmp_path: Path) ->
         ({"film": "erect", "size_px": (10, 10)}, "outside"),
         ({"film": "erect", "patient_left": "left"}, "`patient_left` is `left`"),
         ({"film": "erect", "patient_anterior": "image-left"}, "`patient_anterior` is not for a frontal film"),
+        ({"film": "erect", "plane": "detector"}, "`plane` needs `mm_per_px`"),
+        ({"film": "erect", "mm_per_px": 0.1, "inverted": True}, "`inverted` is not for a film without `picture`"),
     ],
 )
 def test_wrong_facts_of_a_film_are_named(options: dict[str, Any], text: str, case: sl.Case) -> None:
@@ -339,6 +343,8 @@ def test_locations_in_mm_state_their_plane() -> None:
     assert list(film.landmarks["location_cranial_mm"]) == table["location_cranial_mm"]
     with pytest.raises(sl.InputError, match="`mm_per_px` is not for a film of locations"):
         sl.Film(table, film="erect", mm_per_px=0.1)
+    with pytest.raises(sl.InputError, match="`patient_left` is not for a film of locations"):
+        sl.Film(table, film="erect", patient_left="image-left")
 
 
 def test_the_landmarks_of_a_case_are_a_table(case: sl.Case) -> None:

@@ -24,7 +24,7 @@ def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None
     figure.canvas.draw()
     assert "SYNTHETIC" in figure.get_suptitle()
     ax = plt.subplots()[1]
-    assert analysis.plot.lines("left_bending", ax=ax) is ax
+    assert analysis.plot.lines("left-bending", ax=ax) is ax and analysis.curve("left-bending").film == "left_bending"
     place = {text.get_text(): text.get_position()[0] for text in ax.texts}
     assert place["L"] < place["R"] and ax.xaxis_inverted()
     assert ax.get_title() == f"{analysis.id} · SYNTHETIC: left bending"
@@ -101,3 +101,7 @@ def test_the_model_is_drawn_in_space(analysis: sl.Analysis) -> None:
     loaded = analysis.model().simulate(sl.Pad("T9", towards="left", force=10))
     figure = analysis.plot.model3d(simulation=loaded)
     assert len(figure.data) == 2 and "SYNTHETIC" in figure.layout.title.text
+    other = analysis.model("iliac").simulate(sl.Pad("T9", towards="left", force=10))
+    assert "iliac line" in analysis.plot.model3d(simulation=other).layout.title.text
+    with pytest.raises(sl.InputError, match="the simulation is of .* with the iliac line"):
+        analysis.plot.model3d("inflection", simulation=other)

@@ -328,9 +328,9 @@ impl Analysis {
         })
     }
 
-    /// Refuses an unknown film.
-    fn check_film(&self, film: &str) -> Result<(), Fault> {
-        self.posture(film).map(|_| ())
+    /// The name of a film in files; refuses an unknown film.
+    fn film_name(&self, film: &str) -> Result<&'static str, Fault> {
+        self.posture(film).map(|found| found.outline.posture.key())
     }
 
     /// Points of the curve of a film: (n, 2), patient's left and cranial, mm.

@@ -130,6 +130,10 @@ impl FilmOptions {
 
     fn spacing(&self) -> Result<Option<Spacing>, Fault> {
         let plane = self.plane()?;
+        if self.mm_per_px.is_none() && plane != SpacingPlane::Unknown {
+            let help = "give the distance of pixel centres too, or leave the plane out";
+            return Err(Fault::new("`plane` needs `mm_per_px`", help));
+        }
         Ok(self.mm_per_px.as_ref().map(|per_pixel| match *per_pixel {
             PerPixel::Square(mm) => Spacing::stated(mm, mm, plane),
             PerPixel::ColumnAndRow((column, row)) => Spacing::stated(column, row, plane),
@@ -162,7 +166,10 @@ impl FilmOptions {
 
     /// Name and SHA-256 of the picture.
     fn picture(&self) -> Result<FilmSource, Fault> {
-        let Some(path) = &self.picture else { return Ok(FilmSource::default()) };
+        let Some(path) = &self.picture else {
+            self.refuse(&[("inverted", self.inverted)], "a film without `picture`")?;
+            return Ok(FilmSource::default());
+        };
         let bytes = read_bytes(path, FilmLimits::default().file_bytes)
             .map_err(|error| Fault::from(error).in_file(path))?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
@@ -254,6 +261,7 @@ fn frontal_film(
             ("mm_per_px", given.mm_per_px.is_some()),
             ("size_px", given.size_px.is_some()),
             ("picture", given.picture.is_some()),
+            ("patient_left", given.patient_left.is_some()),
         ];
         given.refuse(&pixels, "a film of locations in mm")?;
         let mut film = marked.into_film(posture, None)?;
@@ -272,7 +280,9 @@ fn frontal_film(
 }
 
 fn lateral(source: &Source, given: &FilmOptions) -> Result<Case, Fault> {
-    given.refuse(&[("patient_left", given.patient_left.is_some())], "the lateral film")?;
+    let frontal =
+        [("patient_left", given.patient_left.is_some()), ("plane", given.plane.is_some())];
+    given.refuse(&frontal, "the lateral film")?;
     let Some(side_text) = &given.patient_anterior else {
         let help = "give the side of the picture with the patient's front, \"image-left\" or \"image-right\"";
         return Err(Fault::new("the lateral film needs `patient_anterior`", help));
