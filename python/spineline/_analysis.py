@@ -15,7 +15,7 @@ from ._export import _Exportable, export
 from ._method import MethodOptions, as_words
 from ._run import command, now_utc, without_folders
 from ._tables import Tables
-from ._values import truth
+from ._values import decoded, truth
 
 if TYPE_CHECKING:
     import numpy as np
@@ -56,7 +56,7 @@ class Analysis(_Exportable[_native.Analysis]):
         InputError
             If the text is not an analysis, or this version of Spineline finds other results.
         """
-        return cls(_native.Analysis.repeat(text.decode() if isinstance(text, bytes) else text))
+        return cls(_native.Analysis.repeat(decoded(text)))
 
     @property
     def id(self) -> str:

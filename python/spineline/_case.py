@@ -19,7 +19,7 @@ from ._html import html_table, marked
 from ._inputs import file_content, file_name
 from ._run import now_utc
 from ._tables import LEVELS, Table
-from ._values import LARGEST_SEED, number, text, truth, whole
+from ._values import LARGEST_SEED, decoded, number, text, truth, whole
 
 if TYPE_CHECKING:
     import pandas
@@ -51,7 +51,7 @@ class Case(_Exportable[_native.Case]):
         InputError
             If the text is not a case; it says where.
         """
-        return cls(_native.parse_case(text.decode() if isinstance(text, bytes) else text))
+        return cls(_native.parse_case(decoded(text)))
 
     @classmethod
     def from_films(cls, films: Iterable[Film], *, case_id: str = "case", synthetic: bool = False) -> Case:
@@ -125,7 +125,7 @@ class Case(_Exportable[_native.Case]):
 
     @property
     def films(self) -> list[str]:
-        """Postures that have a film, such as ``"erect"`` or ``"left_bending"``."""
+        """Postures that have a film, such as ``"erect"`` or ``"left_bending"``; a lateral film has no posture."""
         return self._native.films
 
     def film(self, name: str) -> Film:
@@ -175,6 +175,8 @@ class Case(_Exportable[_native.Case]):
             If the film is missing, the format cannot hold it, or a file is one that the case was made from; then no file is written.
         FileExistsError
             If a file exists and ``overwrite`` was not given; then no file is written.
+        OSError
+            If a file cannot be written.
         """
         return self._write("csv", folder, film, overwrite)
 
@@ -240,14 +242,12 @@ class Case(_Exportable[_native.Case]):
 
     def __repr__(self) -> str:
         synthetic = ", SYNTHETIC" if self.synthetic else ""
-        return f"<Case {self.id}{synthetic}: {', '.join(self.films)}>"
+        return f"<Case {self.id}{synthetic}: {', '.join(self._native.views)}>"
 
     def _repr_html_(self) -> str:
-        found = self.check()
-        rows = [
-            (film, *(sum(one.film == film and one.severity == kind for one in found) for kind in ("error", "warning")))
-            for film in self.films
-        ]
+        found = [(one.film, one.severity == "error") for one in self.check() if one.severity != "note"]
+        films = dict.fromkeys([*self._native.views, *(film for film, _ in found)])
+        rows = [(film or "no film", found.count((film, True)), found.count((film, False))) for film in films]
         return html_table(f"Case {marked(self.id, synthetic=self.synthetic)}", ("film", "errors", "warnings"), rows)
 
 
@@ -269,7 +269,9 @@ class Finding:
     step: str
     """The step of the method."""
     film: str | None
-    """The film by its posture, or ``"lateral"``."""
+    """The film by its posture, or ``"lateral"``. None if it is about several films or the case; a warning about the lateral film names
+    it in the text.
+    """
     level: str | None
     """The vertebra."""
     text: str

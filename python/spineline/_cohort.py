@@ -135,7 +135,7 @@ class Cohort(Sequence[Path]):
             raise InputError("the cohort has no case file", help="check the pattern")
 
     @classmethod
-    def glob(cls, pattern: str) -> Cohort:
+    def glob(cls, pattern: str | os.PathLike[str]) -> Cohort:
         """The case files of a pattern such as ``"cases/*/case.json"``, in the order of their names.
 
         True values of phantoms (``*.truth.json``) are skipped.
@@ -145,7 +145,7 @@ class Cohort(Sequence[Path]):
         InputError
             If no file matches.
         """
-        found = sorted(glob.glob(pattern, recursive=True))
+        found = sorted(glob.glob(os.fspath(pattern), recursive=True))
         return cls(path for path in found if not path.endswith(".truth.json"))
 
     def __len__(self) -> int:
@@ -199,8 +199,8 @@ class Cohort(Sequence[Path]):
             Number of Monte Carlo replicates of every case, computed by the workers, one thread each. They add the table
             ``uncertainty``, with the rows of ``spineline analyze --replicates``. By default none.
         noise, seed
-            As in :func:`replicates`, for replicates only. The noise of a case depends on the seed and its identifier, and not on its place in the
-            cohort.
+            As in :func:`replicates`, for replicates only. The noise of a case depends on the seed and its identifier, and not on its
+            place in the cohort.
         progress
             Whether a line on standard error counts the finished cases; by default if it is a terminal. Or a function, which is
             called with the number of finished cases and of all cases.
@@ -223,7 +223,8 @@ class Cohort(Sequence[Path]):
             )
         chunk = whole("chunk", chunk, 1, MOST)
         if replicates is None and (str(noise), seed) != ("measured", 1):
-            raise InputError("`noise` and `seed` are for `replicates`", help="give the number of replicates too, or leave them out")
+            help = "give the number of replicates too, or leave them out"
+            raise InputError("`noise` and `seed` are for `replicates`", help=help)
         count = None if replicates is None else whole("replicates", replicates, 2, MOST)
         asked = None if count is None else (count, str(noise), whole("seed", seed, 0, LARGEST_SEED))
         request = _request(as_words(dict(options)), asked)

@@ -13,7 +13,7 @@ from ._errors import InputError
 from ._export import _Exportable, with_native
 from ._inputs import landmark_source
 from ._tables import Table
-from ._values import path, plain, real, renamed, text, texts, truth, whole, wrong
+from ._values import decoded, path, plain, real, renamed, text, texts, truth, whole, wrong
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -56,7 +56,7 @@ class FilmOptions(TypedDict, total=False):
     ignore: Sequence[str]
     """Columns of the table that are skipped, such as remarks. Another unknown column with values is refused."""
     levels: Sequence[str] | None
-    """Vertebrae of an array, such as ``["L4", "L3"]``."""
+    """Vertebrae of an array, such as ``["L4", "L3"]``. Files and tables name theirs."""
 
 
 class Film(_Exportable[_native.Case]):
@@ -122,7 +122,7 @@ class Film(_Exportable[_native.Case]):
         InputError
             If the text is not a case, or does not have one film.
         """
-        native = _native.parse_case(text.decode() if isinstance(text, bytes) else text)
+        native = _native.parse_case(decoded(text))
         if len(native.views) != 1:
             raise InputError(
                 f"the case has {len(native.views)} films", help="read it as a case, and take `case.film(NAME)`"

@@ -114,13 +114,17 @@ def _columns_of(array: Any, levels: Sequence[str] | None, sides: tuple[str, str]
 
     corners = [f"{endplate}_{side}" for endplate in ("superior", "inferior") for side in sides]
     given = np.ma.asarray(array)
-    if given.dtype.kind not in _NUMBERS:
+    try:
+        values = np.asarray(given, dtype=np.float64) if given.dtype.kind in _NUMBERS else None
+    except (TypeError, ValueError):
+        values = None
+    if values is None:
         raise InputError(
             f"the array holds values of the type {given.dtype}, which are not numbers of pixels",
-            help="give whole or decimal numbers; NaN, or a mask, where a landmark was not placed",
+            help="give whole or decimal numbers; NaN, or a mask, where a landmark was not placed. `levels` are for arrays alone",
         )
     # A masked value was not placed.
-    points = np.where(np.ma.getmaskarray(given), np.nan, np.asarray(given, dtype=np.float64))
+    points = np.where(np.ma.getmaskarray(given), np.nan, values)
     if levels is None or points.shape != (len(levels), 4, 2):
         named = "no `levels`" if levels is None else f"{len(levels)} `levels`"
         raise InputError(

@@ -13,7 +13,7 @@ from ._errors import InputError, NotAResultError
 from ._export import _Exportable, export
 from ._html import html_table, marked
 from ._loads import Load, load_file
-from ._values import number, text, wrong
+from ._values import decoded, number, text, wrong
 
 if TYPE_CHECKING:
     import numpy as np
@@ -50,7 +50,7 @@ class Model(_Exportable[_native.Model]):
         InputError
             If the text is not a model; it says where.
         """
-        return cls(_native.parse_model_text(text.decode() if isinstance(text, bytes) else text))
+        return cls(_native.parse_model_text(decoded(text)))
 
     @property
     def id(self) -> str:
@@ -119,7 +119,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError
-            If a load cannot be applied to this model, or the tilt or its side is out of range.
+            If a load cannot be applied to this model, or the tilt, its side, the largest factor or the support is out of range.
         TypeError
             If an object is not a load.
         """
@@ -139,7 +139,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError, OSError
-            As :meth:`save`.
+            As :meth:`save`, and if the format has no place for the model, such as for coupled springs.
         """
         return self._export("mjcf", path, overwrite=overwrite)
 
@@ -150,7 +150,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError, OSError
-            As :meth:`save`.
+            As :meth:`to_mujoco`.
         """
         return self._export("sto", path, overwrite=overwrite)
 
@@ -161,7 +161,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError, OSError
-            As :meth:`save`.
+            As :meth:`to_mujoco`.
         """
         return self._export("loads", path, overwrite=overwrite)
 
@@ -171,7 +171,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError, OSError
-            As :meth:`save`.
+            As :meth:`to_mujoco`.
         """
         return self._export("osim", path, overwrite=overwrite)
 
@@ -181,7 +181,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError, OSError
-            As :meth:`save`.
+            As :meth:`to_mujoco`.
         """
         return self._export("urdf", path, overwrite=overwrite)
 
@@ -193,7 +193,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError, OSError
-            As :meth:`save`.
+            As :meth:`to_mujoco`.
         """
         return self._export("vtp", path, overwrite=overwrite)
 
@@ -205,7 +205,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError, OSError
-            As :meth:`save`.
+            As :meth:`to_mujoco`.
         """
         return self._export("gltf", path, overwrite=overwrite)
 

@@ -104,12 +104,7 @@ class Plot:
         """
         analysis = self._analysis
         check_models(analysis)
-        if ax is None:
-            with extra("plot"):
-                import matplotlib.pyplot as plt
-
-            width = 1.0 + 1.1 * 2 * len(analysis.lines)
-            ax = plt.subplots(figsize=(width, 4.0), layout="constrained")[1]
+        ax = ax or _new_axes(1.0 + 1.1 * 2 * len(analysis.lines), 4.0)
         samples, names = [], []
         for line in analysis.lines:
             for kind, errors in (("fitted", analysis.fitted), ("held out", analysis.held_out)):
@@ -164,11 +159,7 @@ class Plot:
                 f"{self._analysis.id}: no film of the kind `{films}` is predicted",
                 help="bends left out need two bending films, held-out films a neutral or traction one",
             )
-        if ax is None:
-            with extra("plot"):
-                import matplotlib.pyplot as plt
-
-            ax = plt.subplots(figsize=(6.4, 0.5 + 0.4 * len(bars)), layout="constrained")[1]
+        ax = ax or _new_axes(6.4, 0.5 + 0.4 * len(bars))
         bars.sort()
         ax.barh(
             [name for _, name, _ in bars],
@@ -273,6 +264,14 @@ class Plot:
             ax.invert_xaxis()
         for x, name, side in ((0.02, "L", "left"), (0.98, "R", "right")):
             ax.text(x, 0.98, name, transform=ax.transAxes, ha=side, va="top", weight="bold")
+
+
+def _new_axes(width: float, height: float) -> Axes:
+    """The axes of a new figure, with its size in inches."""
+    with extra("plot"):
+        import matplotlib.pyplot as plt
+    axes: Axes = plt.subplots(figsize=(width, height), layout="constrained")[1]
+    return axes
 
 
 def _words(name: str) -> str:

@@ -151,7 +151,13 @@ class Replicates(Mapping[str, Spread]):
 
     @cached_property
     def table(self) -> Table:
-        """The table ``uncertainty`` of ``spineline analyze --tables``: one row per number."""
+        """The table ``uncertainty`` of ``spineline analyze --tables``: one row per number.
+
+        Raises
+        ------
+        InputError
+            If the replicates were unpickled.
+        """
         if self._table is None:
             raise InputError(
                 "unpickled replicates have no table",

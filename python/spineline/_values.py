@@ -28,6 +28,20 @@ def wrong(name: str, value: Any, help: str, *, limit: float | None = None) -> In
     return InputError(f"`{name}` is {words}", help=help, value=_real(value), limit=limit)
 
 
+def decoded(content: str | bytes) -> str:
+    """The text of a file.
+
+    Raises
+    ------
+    InputError
+        If the bytes are not UTF-8.
+    """
+    try:
+        return content.decode("utf-8-sig") if isinstance(content, bytes) else content
+    except UnicodeDecodeError as error:
+        raise InputError(f"the text is not UTF-8: byte {error.start + 1}", help="give the text of a file of Spineline") from None
+
+
 def plain(value: Any) -> Any:
     """A number or an array of numpy as a number or a list; other values as they are."""
     return value.tolist() if hasattr(value, "tolist") else value

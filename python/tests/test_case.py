@@ -78,6 +78,11 @@ def test_an_error_has_film_level_value_limit_and_help(case: sl.Case) -> None:
     check = broken.check()
     assert not check.ok and check[0].severity == "error" and check[0].film == "traction"
     assert "Error" in check._repr_html_()
+    assert "<td>traction</td><td>1</td>" in broken._repr_html_()
+    without = sl.Case.from_films([case.film("traction")])
+    assert "<td>no film</td><td>1</td>" in without._repr_html_(), "the erect film is missing"
+    with pytest.raises(sl.InputError, match="not UTF-8: byte 3"):
+        sl.Case.from_json(b"{}\xff")
 
 
 def test_an_error_has_the_value_and_the_limit_of_its_text(case: sl.Case, tmp_path: Path) -> None:

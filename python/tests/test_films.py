@@ -199,6 +199,9 @@ def test_an_array_without_real_numbers_is_refused(film: sl.Film) -> None:
     for wrong in (points + 1j, points > 0.0, points.astype("datetime64[s]")):
         with pytest.raises(sl.InputError, match=f"type {wrong.dtype.name.split('[')[0]}.* not numbers"):
             with_facts(wrong, film, levels=["L4"])
+    for other in (film.landmarks.to_csv(), {"vertebra": ["L4"]}):
+        with pytest.raises(sl.InputError, match="`levels` are for arrays alone"):
+            with_facts(other, film, levels=["L4"])
 
 
 def test_columns_of_other_names_and_remarks_are_read(film: sl.Film, tmp_path: Path) -> None:
