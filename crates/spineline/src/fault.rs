@@ -21,7 +21,7 @@ impl ErrorPlace {
     /// The limit that a value misses, of two; `None` for a value that is not a number.
     #[must_use]
     pub fn limit(value: f64, least: f64, most: f64) -> Option<f64> {
-        (!value.is_nan()).then(|| if value > most { most } else { least })
+        (!value.is_nan()).then_some(if value > most { most } else { least })
     }
 }
 
@@ -93,7 +93,7 @@ macro_rules! faults {
             )+
         }
 
-        #[allow(unused_variables)]
+        #[allow(unused_variables, clippy::needless_update)]
         impl $name {
             /// A stable name, for counts.
             #[must_use]
@@ -146,7 +146,7 @@ macro_rules! faults {
             )+
         }
 
-        #[allow(unused_variables)]
+        #[allow(unused_variables, clippy::needless_update)]
         impl $name {
             /// What the user can do about it.
             #[must_use]
