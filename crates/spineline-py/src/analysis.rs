@@ -142,7 +142,7 @@ impl Analysis {
         Err(Fault::new(text, help).on_film(Some(posture)))
     }
 
-    /// Points of a film in mm.
+    /// Points of a film in its mm.
     fn in_mm<'py, const N: usize>(
         &self,
         py: Python<'py>,
@@ -150,7 +150,8 @@ impl Analysis {
         points: impl ExactSizeIterator<Item = [f64; N]>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.check_scale(film)?;
-        numbers::points(py, points)
+        let units = film.outline.scale.units_per_mm;
+        numbers::points(py, points.map(move |point| point.map(|part| units * part)))
     }
 }
 
@@ -382,7 +383,8 @@ impl Analysis {
         let frame = marked.and_then(|marked| FilmFrame::of(marked, &posture.outline));
         let Some(frame) = frame else { return Ok(None) };
         let pixels = points.into_iter().map(|[y_mm, z_mm]| {
-            let place = frame.pixel(Frontal::new(y_mm, z_mm));
+            let internal = 1.0 / posture.outline.scale.units_per_mm;
+            let place = frame.pixel(Frontal::new(y_mm, z_mm) * internal);
             [place.column_px, place.row_px]
         });
         numbers::points(py, pixels).map(Some)

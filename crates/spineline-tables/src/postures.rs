@@ -91,10 +91,12 @@ fn curve(add: &mut Columns<'_, PostureRow<'_>>) {
 }
 
 fn length(row: &PostureRow<'_>) -> Option<FilmLength> {
-    row.motion.is_some().then_some(row.outline.length)
+    let scales = [&row.outline.scale, row.analysis.movement.scale()];
+    let is_known = row.motion.is_some() && scales.iter().all(|scale| scale.has_millimetres());
+    is_known.then_some(row.outline.length)
 }
 
-/// The film's length against the erect one.
+/// The film's length against the erect one, where both have a spacing.
 fn film_scale(add: &mut Columns<'_, PostureRow<'_>>) {
     add.number(
         "film_scale_measured",

@@ -66,7 +66,7 @@ struct LengthsRecord {
     source: Option<SpacingSource>,
     /// Standard deviation of the scale, as a part of it.
     relative_sd: Option<f64>,
-    /// This film against the erect one; absent for the erect film.
+    /// This film against the erect one; absent for the erect film, and where one of the two has no spacing.
     #[serde(skip_serializing_if = "Option::is_none")]
     against_erect: Option<FilmLengthRecord>,
     /// Length of the line through the midpoints L4 to T2, and its standard deviation from the scale alone.
@@ -283,7 +283,10 @@ impl PostureRecord {
                 plane: scale.plane.key().to_owned(),
                 source: scale.source,
                 relative_sd: scale.relative_sd,
-                against_erect: p.motion.is_some().then(|| against_erect(&p.outline.length)),
+                against_erect: (p.motion.is_some()
+                    && scale.has_millimetres()
+                    && erect.has_millimetres())
+                .then(|| against_erect(&p.outline.length)),
                 spine_mm: scale.mm(spine_mm),
                 spine_scale_sd_mm: scale.sd_mm(spine_mm),
             },

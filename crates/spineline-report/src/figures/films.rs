@@ -174,7 +174,7 @@ fn legend(page: &mut Page, analysis: &Analysis, displayed: &[(Displayed<'_>, &Fi
 }
 
 /// Frames of one size, at one scale and over the same heights, so that films can be compared and a row needs one axis. A
-/// film without a scale is taken at the typical length of a spine.
+/// film without a scale is taken at the length of the erect one.
 struct Frames {
     z_mm: [f64; 2],
     wide_mm: f64,

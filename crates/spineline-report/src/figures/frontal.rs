@@ -128,7 +128,7 @@ impl Extent {
 pub fn scale_note(analysis: &Analysis) -> Option<String> {
     let mut films = analysis.movement.films.iter();
     let all = films.all(|posture| posture.outline.scale.has_millimetres());
-    let words = "A film without a scale is drawn as if the spine had a typical length: only its shape is measured.";
+    let words = "Where a film has no scale, it is drawn at the length of the erect film, and an erect film without a scale at a typical length of the spine: only shapes are measured.";
     (!all).then(|| words.to_owned())
 }
 
@@ -136,7 +136,7 @@ pub fn scale_note(analysis: &Analysis) -> Option<String> {
 /// before it has none, or the reverse.
 pub fn axes_of_row<'a>(films: impl IntoIterator<Item = &'a Outline>) -> Vec<bool> {
     let mut before = None;
-    let scaled = films.into_iter().map(|outline| outline.scale.has_millimetres());
+    let scaled = films.into_iter().map(|outline| outline.scale.is_internal());
     scaled.map(|scaled| before.replace(scaled) != Some(scaled)).collect()
 }
 
@@ -161,12 +161,12 @@ pub fn fitted_curve(film: &FilmMovement) -> impl Iterator<Item = Frontal> {
     (0..=SAMPLES).map(move |i| curve.point(curve.end_mm() * f64::from(i) / f64::from(SAMPLES)))
 }
 
-/// An empty panel of a film under the name of its posture. Where the film has no scale, its axes have no numbers.
+/// An empty panel of a film under the name of its posture. Where the film or the erect film has no scale, its axes have no numbers.
 pub fn film_panel(film: &Outline, extent: Extent, px_per_mm: f64, y_written: bool) -> Panel {
     let mut panel = frontal_panel(extent, px_per_mm, film.levels().base());
     panel.y_written = y_written;
     panel.heading(HeadingKind::Title, film.posture.to_string());
-    if !film.scale.has_millimetres() {
+    if !film.scale.is_internal() {
         for axis in [&mut panel.x, &mut panel.y] {
             axis.label = axis.label.replace("(mm)", "(no scale)");
             axis.ticks = Ticks::Blank;

@@ -67,6 +67,8 @@ fn only_films_with_a_scale_have_axes_in_millimetres() {
     }
     // Nothing in the legend that is not in a panel.
     assert!(!figures[1].contains("best fit"));
+    // At an assumed length, other films have no axes either.
+    assert!(!case_overview(&analyzed(&case(&[Posture::Erect]))).contains("lateral (mm)"));
 }
 
 #[test]

@@ -191,6 +191,6 @@ impl Drawing<'_> {
         let widths = body_widths(self.film, self.analysis.movement.levels());
         let widths: Vec<f64> = widths.into_iter().flatten().collect();
         let mean = widths.iter().sum::<f64>() / widths.len().max(1) as f64;
-        REACH_WIDTHS * mean / scale.pixels_per_mm.unwrap_or(1.0)
+        REACH_WIDTHS * mean / scale.units_per_mm
     }
 }

@@ -69,7 +69,7 @@ pub(super) fn check_outlines(
         if film.scale.plane != erect.scale.plane {
             let planes = [film.scale.plane, erect.scale.plane];
             let how = if planes.contains(&SpacingPlane::Pixels) {
-                "pixels count as millimetres of a spine of typical length"
+                "the spine is taken to be as long as on the erect film"
             } else {
                 "they are compared without conversion"
             };

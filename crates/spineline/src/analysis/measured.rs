@@ -62,18 +62,20 @@ pub(super) fn measure(
     // Replicates skip doubts about their films, which take a tenth of their time.
     let reports_doubts = replicated.is_none();
     let mut held = replicated.iter().flat_map(|held| held.noise);
-    let (mut outlines, mut whole) = (Vec::new(), Vec::new());
+    let (mut outlines, mut whole): (Vec<Outline>, Vec<Outline>) = (Vec::new(), Vec::new());
     for (((film, marked), measured), shown) in films.iter().zip(&marked).zip(&readings).zip(shown) {
         let noise = held.next().map(|noise| noise.film);
-        let outline = outline_of(film, &measured.readings, shown, tilt, noise, warnings)?;
+        let mut outline = outline_of(film, &measured.readings, shown, tilt, noise, warnings)?;
         if is_cut {
+            whole.push(outline);
             // The whole film gave the warnings about its landmarks already.
             let repeated = &mut Warnings::default();
-            outlines.push(outline_of(film, &measured.readings, levels, tilt, noise, repeated)?);
-            whole.push(outline);
-        } else {
-            outlines.push(outline);
+            outline = outline_of(film, &measured.readings, levels, tilt, noise, repeated)?;
         }
+        outlines.push(match outlines.first() {
+            Some(erect) => outline.in_millimetres_of(erect),
+            None => outline,
+        });
         if reports_doubts {
             warn_of_implausible_landmarks(marked, warnings);
         }
@@ -131,7 +133,7 @@ pub(super) fn is_read_once(films: &[FilmReadings]) -> bool {
 pub(super) fn widths_mm(case: &Case, erect: &Outline) -> Vec<Option<f64>> {
     let film = case.film(Posture::Erect).map(Film::with_copies_as_one);
     let widths = film.map(|film| body_widths(&film, erect.levels())).unwrap_or_default();
-    let per_mm = erect.scale.pixels_per_mm.unwrap_or(1.0);
+    let per_mm = erect.scale.units_per_mm;
     let own = |(vertebra, width): (&MeasuredVertebra, Option<f64>)| {
         width.filter(|_| vertebra.program.is_none()).map(|width| width / per_mm)
     };

@@ -61,7 +61,7 @@ impl Analysis {
         let scale = self.movement.scale();
         let along_mm = self.movement.erect().fit.curve.length_mm(inflection.t_mm);
         let place = format!("{} at {}", inflection.place(), scale.text(along_mm, 0));
-        let mm = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
+        let mm = |mm: f64| mm * scale.units_per_mm;
         match interval {
             None => place,
             Some(None) => format!("{place}, not limited"),

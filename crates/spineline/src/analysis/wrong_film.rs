@@ -242,7 +242,8 @@ fn program_log_sd(outlines: [&Outline; 2], marked: &[(Level, [[f64; 2]; 2])], si
     // The mean of two opposite sides, with four corners, has the error of one corner.
     let square = |outline: &Outline, level: Level, size: f64| {
         let program = outline.vertebra(level).and_then(|vertebra| vertebra.program);
-        program.map_or(0.0, |noise| (2.0 * noise.location_mm / size).powi(2))
+        let corner = |location_mm: f64| 2.0 * location_mm * outline.scale.units_per_mm;
+        program.map_or(0.0, |noise| (corner(noise.location_mm) / size).powi(2))
     };
     let of_pair = |(level, sizes): &(Level, [[f64; 2]; 2])| -> f64 {
         outlines.iter().zip(sizes).map(|(outline, size)| square(outline, *level, size[side])).sum()

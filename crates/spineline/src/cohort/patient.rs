@@ -374,7 +374,7 @@ impl PatientFilm {
             posture: film.outline.posture,
             has_motion: motion.is_some(),
             has_scale,
-            rmse_mm: has_scale.then_some(film.fit.rmse_mm),
+            rmse_mm: film.outline.scale.mm(film.fit.rmse_mm),
             rmse_deg: film.fit.rmse_tilt.deg(),
             least_rotations_deg: motion.map(|m| m.least.map(|k| m.rotations[k].deg())),
             inflection_estimates: estimates(&film.inflection_estimates),

@@ -112,7 +112,7 @@ impl ImageGeometry {
             plane: SpacingPlane::Pixels,
             source: None,
             relative_sd: None,
-            pixels_per_mm: Some(1.0),
+            units_per_mm: 1.0,
         };
         self.spacing.as_ref().map_or(pixels, LengthScale::of)
     }

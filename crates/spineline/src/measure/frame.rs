@@ -18,7 +18,7 @@ pub struct FilmFrame {
     tilt: Angle,
     /// The film's scale against the erect one, to whose length the outline is brought.
     scale: f64,
-    /// Units of the film per millimetre: 1, or pixels where the film has no spacing.
+    /// Units of the film, millimetres or pixels, per internal millimetre.
     units_per_mm: f64,
 }
 
@@ -32,7 +32,7 @@ impl FilmFrame {
             origin: outline.l4_midpoint_on_film,
             tilt: outline.l4_on_film,
             scale: outline.length.scale.factor,
-            units_per_mm: outline.scale.pixels_per_mm.unwrap_or(1.0),
+            units_per_mm: outline.scale.units_per_mm,
         })
     }
 

@@ -213,12 +213,13 @@ fn place_film(
         check_crests(posture, image, crests)?;
     }
     let iliac_normal = iliac_crests.map(|crests| iliac_normal(image, crests));
-    let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
+    let per_mm = 1.0 / scale.units_per_mm;
     let iliac_middle = iliac_crests.map(|crests| crests.middle(image) * per_mm);
     Ok(PlacedFilm { readings, scale, iliac_normal, iliac_middle })
 }
 
-/// Readings in pixels, as if this spine had the typical length: no angle depends on it.
+/// Readings in pixels, as if this spine had the typical length: no angle of this film depends on it. Rotations from another film do, so
+/// that [`Outline::in_millimetres_of`] takes the erect film's length before films are compared.
 fn scaled_from_pixels(
     posture: Posture,
     image: &ImageGeometry,
@@ -242,19 +243,19 @@ fn scaled_from_pixels(
         typical_mm += Morphometry::spacing_mm(pair[0].0, pair[1].0);
         length_px += pair[0].1.distance_mm(pair[1].1);
     }
-    let pixels_per_mm =
+    let units_per_mm =
         if typical_mm > 0.0 && length_px > 0.0 { length_px / typical_mm } else { 1.0 };
     for placement in placed.iter_mut().flat_map(BTreeMap::values_mut) {
-        placement.location = placement.location * (1.0 / pixels_per_mm);
+        placement.location = placement.location * (1.0 / units_per_mm);
         if let Some(program) = &mut placement.program {
-            program.location_mm /= pixels_per_mm;
+            program.location_mm /= units_per_mm;
         }
     }
     let scale = LengthScale {
         plane: SpacingPlane::Pixels,
         source: image.spacing.map(|spacing| spacing.source),
         relative_sd: None,
-        pixels_per_mm: Some(pixels_per_mm),
+        units_per_mm,
     };
     (placed, scale)
 }

@@ -17,7 +17,7 @@ impl FilmLength {
     #[must_use]
     pub fn of(erect: &Outline, film: &Outline, rule: FilmLengthRule) -> Self {
         let measured = measured_scale(erect, film);
-        let has_scale = [erect, film].iter().all(|one| one.scale.has_millimetres());
+        let has_scale = have_millimetres([erect, film]);
         // Coordinates near the limits of numbers do not have a finite length.
         let has_length = [measured.factor.ln(), measured.log_sd].iter().all(|one| one.is_finite());
         let prior_log_sd = match rule {
@@ -37,6 +37,11 @@ impl FilmLength {
         };
         Self { measured, prior_log_sd, scale }
     }
+}
+
+/// Whether spacings say how the lengths of two films compare.
+fn have_millimetres(films: [&Outline; 2]) -> bool {
+    films.iter().all(|one| one.scale.has_millimetres())
 }
 
 fn measured_scale(erect: &Outline, film: &Outline) -> FilmScale {
@@ -97,6 +102,35 @@ impl Outline {
         scaled.iliac_middle = self.iliac_middle.map(|middle| middle * factor);
         scaled.length.scale = scale;
         scaled
+    }
+
+    /// The same film in internal millimetres that give its spine the length of the erect one, where one of the two films is in pixels.
+    ///
+    /// A length in pixels says nothing about the length of the spine, and rotations compare two curves at equal lengths from L4.
+    pub(crate) fn in_millimetres_of(mut self, erect: &Outline) -> Self {
+        if have_millimetres([erect, &self]) {
+            return self;
+        }
+        let factor = measured_scale(erect, &self).factor;
+        if !factor.ln().is_finite() {
+            return self;
+        }
+        let share = 1.0 / factor;
+        for vertebra in self.vertebrae.iter_mut().chain(&mut self.others) {
+            vertebra.location = vertebra.location * share;
+            if let Some(program) = &mut vertebra.program {
+                program.location_mm *= share;
+            }
+            if let Some(interpolated) = &mut vertebra.interpolated {
+                interpolated.location_sd_mm *= share;
+            }
+        }
+        self.iliac_middle = self.iliac_middle.map(|middle| middle * share);
+        self.l4_midpoint_on_film = self.l4_midpoint_on_film * share;
+        self.noise.location_mm *= share;
+        self.shared_errors = self.shared_errors.map(|shared| shared.with_lengths_times(share));
+        self.scale.units_per_mm *= factor;
+        self
     }
 
     pub(crate) fn at_erect_length(mut self, erect: &Outline, rule: FilmLengthRule) -> Self {

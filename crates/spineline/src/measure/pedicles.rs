@@ -37,7 +37,7 @@ pub(crate) fn axial_rotations(
         let marked = places.len();
         let Some(mean) = PediclePair::mean(places) else { continue };
         let Some(vertebra) = outline.vertebra(level) else { continue };
-        let per_mm = outline.scale.pixels_per_mm.unwrap_or(1.0);
+        let per_mm = outline.scale.units_per_mm;
         let corner_sd = outline.noise_of(vertebra).corner_mm() * per_mm;
         found.push(mean.rotation(level, corner_sd, marked));
     }

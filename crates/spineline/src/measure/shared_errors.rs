@@ -70,7 +70,7 @@ impl SharedErrors {
                 let Some(mut own) = own else { continue };
                 for mut column in own.column_iter_mut() {
                     let off = Frontal::new(column[0], column[1]).rotated(-base_tilt)
-                        * (1.0 / scale.pixels_per_mm.unwrap_or(1.0));
+                        * (1.0 / scale.units_per_mm);
                     (column[0], column[1]) = (off.y_mm, off.z_mm);
                 }
                 // The mean of variances, as for one vertebra.
@@ -81,6 +81,15 @@ impl SharedErrors {
         }
         let levels = of_model.iter().map(|vertebra| vertebra.level).collect();
         (covariance.trace() > 0.0).then_some(Self { levels, covariance })
+    }
+
+    /// The same errors where every length is multiplied by a factor.
+    pub(super) fn with_lengths_times(mut self, factor: f64) -> Self {
+        let by = |row: usize| if row % NUMBERS == Measured::Tilt as usize { 1.0 } else { factor };
+        let size = self.covariance.nrows();
+        let factors = DMatrix::from_fn(size, size, |i, j| by(i) * by(j));
+        self.covariance.component_mul_assign(&factors);
+        self
     }
 
     /// Adds them to a covariance over these vertebrae.

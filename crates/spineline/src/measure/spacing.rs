@@ -144,9 +144,10 @@ pub struct LengthScale {
     pub source: Option<SpacingSource>,
     /// Standard deviation of the scale, as a part of it.
     pub relative_sd: Option<f64>,
-    /// For a film in pixels: how many of them one internal millimetre holds. Such a film is computed with as if its
-    /// spine had the typical length, which no angle depends on, and no length of it is shown in millimetres.
-    pub pixels_per_mm: Option<f64>,
+    /// How many units of the film, its millimetres or pixels, one internal millimetre holds: 1 where the film and the erect film
+    /// have a spacing. An erect film in pixels is computed with as if its spine had the typical length, and a film that is in pixels, or
+    /// whose erect film is, as if its spine had the length of the erect one: rotations compare places at equal lengths along two curves.
+    pub units_per_mm: f64,
 }
 
 impl LengthScale {
@@ -160,38 +161,44 @@ impl LengthScale {
             plane: spacing.plane,
             source: Some(spacing.source),
             relative_sd: spacing.relative_sd,
-            pixels_per_mm: (!spacing.has_millimetres()).then_some(1.0),
+            units_per_mm: 1.0,
         }
     }
 
     /// A scale that was stated by another program, with its standard deviation where that is stated too.
     #[must_use]
     pub const fn stated(plane: SpacingPlane, relative_sd: Option<f64>) -> Self {
-        Self { plane, source: Some(SpacingSource::Stated), relative_sd, pixels_per_mm: None }
+        Self { plane, source: Some(SpacingSource::Stated), relative_sd, units_per_mm: 1.0 }
     }
 
-    /// Whether its lengths are millimetres; else the spine has a typical length.
+    /// Whether its lengths are millimetres, else pixels.
     #[must_use]
     pub fn has_millimetres(&self) -> bool {
         self.plane != SpacingPlane::Pixels
     }
 
+    /// Whether internal millimetres are the film's, as a drawing with axes needs.
+    #[must_use]
+    pub fn is_internal(&self) -> bool {
+        self.mm(1.0) == Some(1.0)
+    }
+
     /// A length as millimetres, where it has any.
     #[must_use]
     pub fn mm(&self, length_mm: f64) -> Option<f64> {
-        self.pixels_per_mm.is_none().then_some(length_mm)
+        self.has_millimetres().then_some(self.units_per_mm * length_mm)
     }
 
     /// A length as pixels, where it has no millimetres.
     #[must_use]
     pub fn px(&self, length_mm: f64) -> Option<f64> {
-        self.pixels_per_mm.map(|factor| factor * length_mm)
+        (!self.has_millimetres()).then_some(self.units_per_mm * length_mm)
     }
 
     /// Uncertainty of a length from the scale alone.
     #[must_use]
     pub fn sd_mm(&self, length_mm: f64) -> Option<f64> {
-        self.relative_sd.map(|sd| sd * length_mm.abs())
+        self.relative_sd.map(|sd| sd * self.units_per_mm * length_mm.abs())
     }
 
     /// A residual in words, without the uncertainty of the scale.
@@ -199,7 +206,7 @@ impl LengthScale {
     pub fn residual_text(&self, residual_mm: f64) -> String {
         match self.px(residual_mm) {
             Some(px) => format!("{} px", fixed(px, 1)),
-            None => format!("{} mm", fixed(residual_mm, 2)),
+            None => format!("{} mm", fixed(self.units_per_mm * residual_mm, 2)),
         }
     }
 
@@ -217,10 +224,11 @@ impl LengthScale {
         if let Some(px) = self.px(length_mm) {
             return format!("{} px", fixed(px, 0));
         }
+        let mm = self.units_per_mm * length_mm;
         // An exact scale needs no words.
         match self.sd_mm(length_mm).filter(|sd| *sd > 0.0) {
-            Some(sd) => format!("{} mm", with_sd(length_mm, sd, places)),
-            None => format!("{} mm", fixed(length_mm, places)),
+            Some(sd) => format!("{} mm", with_sd(mm, sd, places)),
+            None => format!("{} mm", fixed(mm, places)),
         }
     }
 }

@@ -301,7 +301,7 @@ fn film_noise(
             return Err(UncertaintyError::NoPicture { posture });
         }
         (FilmLandmarks::Placements { readings, .. }, LandmarkNoise::Measured) => {
-            return Ok(placement_noise(posture, readings, outline.noise));
+            return Ok(placement_noise(readings, outline));
         }
     };
     let steps = image.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
@@ -316,8 +316,7 @@ fn film_noise(
             Some(sd) => (NoiseSource::Readings, steps.map(|step| sd / step), pooled_axes(case)),
             None => {
                 // The crossing of a body's diagonals has half the deviation of a corner.
-                let sd =
-                    2.0 * outline.noise.location_mm * outline.scale.pixels_per_mm.unwrap_or(1.0);
+                let sd = 2.0 * outline.noise.location_mm * outline.scale.units_per_mm;
                 (NoiseSource::Assumed, steps.map(|step| sd / step), Some(outline.noise.tilt))
             }
         },
@@ -343,18 +342,15 @@ fn lateral_sd_px(case: &Case, nominal: &Analysis, noise: LandmarkNoise) -> [f64;
 }
 
 /// A film's deviation is for means over its readings; one reading has more.
-fn placement_noise(
-    posture: Posture,
-    readings: &[Reading<Placement>],
-    of_means: Noise,
-) -> FilmNoise {
+fn placement_noise(readings: &[Reading<Placement>], outline: &Outline) -> FilmNoise {
+    let of_means: Noise = outline.noise;
     let per_value = if of_means.is_measured() { readings_per_level(readings) } else { 1.0 };
     let root = per_value.sqrt();
     FilmNoise {
-        posture,
+        posture: outline.posture,
         source: if of_means.is_measured() { NoiseSource::Readings } else { NoiseSource::Assumed },
         landmarks: VertebraNoise::Placements {
-            location_sd_mm: of_means.location_mm * root,
+            location_sd_mm: of_means.location_mm * outline.scale.units_per_mm * root,
             tilt_sd: of_means.tilt * root,
         },
         program_corners: 0,

@@ -295,7 +295,7 @@ impl AnalysisQuantity {
         let gauge = analysis.options.gauge;
         let is_absolute = || self.model(analysis).is_some_and(|model| model.is_absolute(gauge));
         match self.kind.full_unit() {
-            QuantityUnit::Millimetres if self.scale(analysis).pixels_per_mm.is_some() => {
+            QuantityUnit::Millimetres if !self.scale(analysis).has_millimetres() => {
                 QuantityUnit::Pixels
             }
             QuantityUnit::Newtons if !is_absolute() => QuantityUnit::RelativeForce,

@@ -66,7 +66,7 @@ impl AnalysisQuantity {
 
     /// A length in its unit as people see it.
     fn length(self, mm: f64, analysis: &Analysis) -> f64 {
-        self.scale(analysis).px(mm).unwrap_or(mm)
+        self.scale(analysis).units_per_mm * mm
     }
 
     fn in_space(self, analysis: &Analysis, measures: Option<&SpatialMeasures>) -> Option<f64> {

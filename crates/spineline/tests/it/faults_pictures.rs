@@ -75,7 +75,7 @@ fn one_film_without_spacing_leaves_the_others_their_millimetres() {
     assert_eq!(analysis.movement.scale().plane, SpacingPlane::Patient);
     assert!(analysis.models.is_empty());
     let differ = warned(&analysis, WarningCode::SpacingPlanesDiffer, None);
-    assert!(differ.message.contains("pixels count as millimetres of a spine of"));
+    assert!(differ.message.contains("the spine is taken to be as long as on the erect film"));
     assert_eq!(warned(&analysis, WarningCode::NoScale, None).posture, Some(Posture::Traction));
 }
 

@@ -96,6 +96,36 @@ fn stated_scales_are_not_fitted() {
 }
 
 #[test]
+fn a_film_without_spacing_is_taken_to_be_as_long_as_the_erect_one() {
+    // A smaller spine than the typical one.
+    let factors = Posture::ALL.map(|posture| (posture, 0.75));
+    let case = scaled(&phantom(1, Scenario::Rod, &Readers::exact()).case, &factors);
+    let options = |film_lengths| AnalysisOptions { film_lengths, ..on_a_table() };
+    // The oracle: lengths in millimetres, and scales that are nearly unknown.
+    let oracle = analyzed(&case, &options(FilmLengthRule::PerFilm { relative_sd: 0.5 }));
+    for without in [Posture::LeftBending, Posture::Erect] {
+        let mut case = case.clone();
+        landmarks(film_mut(&mut case, without)).0.spacing = None;
+        for rule in [FilmLengthRule::AsMarked, FilmLengthRule::default()] {
+            let found = analyzed(&case, &options(rule));
+            assert!(!found.warnings.has(WarningCode::LengthsDiffer));
+            for (own, other) in found.movement.films.iter().zip(&oracle.movement.films) {
+                let Some(rotation) = other.mean_rotation().map(Angle::deg) else { continue };
+                let rotation_by = own.mean_rotation().expect("a film that moved").deg() / rotation;
+                assert_near(rotation_by, 1.0, 0.02, "mean rotation");
+                let marked_mm = other.outline.polygon_mm() * other.outline.length.scale.factor;
+                let own_mm = own.outline.polygon_mm() * own.outline.length.scale.factor;
+                let scale = &own.outline.scale;
+                // Pixels of 0.075 mm.
+                let in_px = || 0.075 * scale.px(own_mm).expect("pixels");
+                let own_mm = scale.mm(own_mm).unwrap_or_else(in_px);
+                assert_near(own_mm / marked_mm, 1.0, 1e-6, "length as marked");
+            }
+        }
+    }
+}
+
+#[test]
 fn predicted_vertebrae_give_no_scale() {
     let case = scaled(&phantom(3, Scenario::Pull, &Readers::exact()).case, &FACTORS);
     let mut moved = case.clone();

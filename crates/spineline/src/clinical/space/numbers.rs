@@ -96,14 +96,14 @@ impl SpatialMeasures {
             ));
         }
         let [low, high] = self.length.ends;
-        let factor = scale.pixels_per_mm.unwrap_or(1.0);
+        let factor = scale.units_per_mm;
         let length = |dimension, [value, sd]: [f64; 2]| SpatialNumber {
             key: "spinal_length",
             label: "length of the spine through its midpoints",
             between: format!("{high}–{low}"),
             region: None,
             dimension,
-            unit: if scale.pixels_per_mm.is_some() { "px" } else { "mm" },
+            unit: if scale.has_millimetres() { "mm" } else { "px" },
             value: value * factor,
             sd: sd * factor,
         };

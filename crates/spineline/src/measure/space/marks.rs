@@ -27,7 +27,7 @@ pub(super) fn frontal_marks(
 ) -> Result<BTreeMap<Level, FrontalMark>, MeasureError> {
     let readings = measure_readings(film, TiltRule::Axis)?;
     let placed: Vec<_> = readings.into_iter().map(|reading| reading.vertebrae).collect();
-    let per_mm = outline.scale.pixels_per_mm.unwrap_or(1.0);
+    let per_mm = outline.scale.units_per_mm;
     let bodies = ReadBodies::of_film(film);
     let measured_sd = corner_sd(&bodies);
     let marks = average(&placed).into_iter().filter_map(|(level, (placement, _))| {
