@@ -32,6 +32,11 @@ faults! {
         #[code("weight_and_known_force")]
         #[help("leave out one of the two options")]
         WeightAndKnownForce,
+        /// Stiffness of single joints is to be fitted to Ferguson angles.
+        #[error("multipliers per joint cannot be fitted to Ferguson angles: a film has three of them, for all joints")]
+        #[code("ferguson_per_joint")]
+        #[help("fit to the shape, or give each region one multiplier")]
+        FergusonPerJoint,
         /// An age that no patient can have.
         #[error("the age of the patient is {age_years} years, and must be from 0 to {limit_years}")]
         #[code("age")]

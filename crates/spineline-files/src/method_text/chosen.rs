@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 use spineline::analysis::AnalysisOptions;
 
-use super::{MethodOption, OPTIONS, OptionError, option_of, set_option_of_text};
+use super::{
+    MethodOption, OPTIONS, OptionError, option_of, replace_fit_of_joints, set_option_of_text,
+};
 use crate::{StoredRotationPrior, sha256_hex};
 
 /// An option with its value.
@@ -140,6 +142,7 @@ impl ChosenOptions {
         for one in &self.0 {
             learned = one.set(&mut options)?.or(learned);
         }
+        replace_fit_of_joints(&mut options, self.of("fit").is_some());
         Ok((options, learned))
     }
 
@@ -149,11 +152,14 @@ impl ChosenOptions {
     /// [`OptionError`], where another version of the program chose them.
     pub fn before(&self, option: &MethodOption) -> Result<AnalysisOptions, OptionError> {
         let (place, _) = option_of(option.name)?;
-        let is_before = |one: &&ChosenOption| OPTIONS[..place].iter().any(|o| o.name == one.name);
+        // Multipliers per joint replace a fit that is not chosen.
+        let replaces = |one: &ChosenOption| option.name == "fit" && one.name == "multipliers";
+        let is_before = |one: &ChosenOption| OPTIONS[..place].iter().any(|o| o.name == one.name);
         let mut options = AnalysisOptions::default();
-        for one in self.0.iter().filter(is_before) {
+        for one in self.0.iter().filter(|one| is_before(one) || replaces(one)) {
             one.set(&mut options)?;
         }
+        replace_fit_of_joints(&mut options, false);
         Ok(options)
     }
 

@@ -30,9 +30,9 @@ pub(crate) use tests::all_others;
 use std::path::PathBuf;
 
 use serde::Serialize;
-use spineline::analysis::{AnalysisOptions, Case};
+use spineline::analysis::{AnalysisOptions, Case, Grouping};
 use spineline::anatomy::Posture;
-use spineline::personalize::Gauge;
+use spineline::personalize::{FitTarget, Gauge};
 
 use crate::nearest::nearest;
 use crate::{FileError, InputFile, StoredRotationPrior, read_text};
@@ -140,11 +140,20 @@ pub(crate) fn set_in_order<'a>(
     let known = given.into_iter().map(|(name, value)| Ok((option_of(name)?, value)));
     let mut known: Vec<_> = known.collect::<Result<_, OptionError>>()?;
     known.sort_by_key(|((place, _), _)| *place);
+    let is_fit_given = known.iter().any(|((_, option), _)| option.name == "fit");
     let mut options = AnalysisOptions::default();
     for ((_, option), value) in known {
         set(&mut options, option.name, value)?;
     }
+    replace_fit_of_joints(&mut options, is_fit_given);
     Ok(options)
+}
+
+/// Multipliers per joint replace a fit to Ferguson angles that is a choice of the method. The analysis refuses one that is given.
+fn replace_fit_of_joints(options: &mut AnalysisOptions, is_fit_given: bool) {
+    if options.grouping == Grouping::PerJoint && !is_fit_given {
+        options.target = FitTarget::Shape;
+    }
 }
 
 /// Sets one option by its name, and returns the file that its value names, if it names one. A `given_line` is added to those that
@@ -344,6 +353,23 @@ mod tests {
         let names: Vec<&str> = departures(&paper, &usual).map(|option| option.name).collect();
         let choices = ["order_rule", "support", "fit", "tilt", "amplitude", "film_lengths"];
         assert_eq!(names, choices);
+    }
+
+    #[test]
+    fn multipliers_per_joint_replace_the_fit_of_the_method_and_not_a_given_one() {
+        let paper = AnalysisOptions::paper();
+        let given = [("multipliers", "per-joint"), ("method", "paper"), ("fit", "ferguson")];
+        let (options, _) = options_of(given[..2].iter().copied()).expect("sound values");
+        assert_eq!(options.target, FitTarget::Shape);
+        let names: Vec<&str> = departures(&options, &paper).map(|option| option.name).collect();
+        assert_eq!(names, ["fit", "multipliers"]);
+        let (refused, _) = options_of(given).expect("sound values, each by itself");
+        assert_eq!((refused.target, refused.grouping), (FitTarget::Ferguson, Grouping::PerJoint));
+        let words = given[..2].iter().map(|(name, value)| ChosenOption::word(name, value));
+        let chosen = ChosenOptions::new(&words.collect::<Vec<_>>()).expect("a choice of a study");
+        assert!(chosen.options().expect("sound values").0 == options);
+        let fit = OPTIONS.iter().find(|option| option.name == "fit").expect("an option");
+        assert_eq!(fit.shown(&chosen.before(fit).expect("sound values")), "shape");
     }
 
     #[test]

@@ -4,9 +4,9 @@ use super::comparison::Remembered;
 use super::find_best_fit::find_best_fit_lines;
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
-use super::{Analysis, AnalysisOptions, Case, LineModel, Movement, Replicated};
-use crate::error::Error;
-use crate::personalize::BestFitLoads;
+use super::{Analysis, AnalysisOptions, Case, Grouping, LineModel, Movement, Replicated};
+use crate::error::{CaseError, Error};
+use crate::personalize::{BestFitLoads, FitTarget};
 use crate::warning::Warnings;
 
 /// Runs all steps on one case, as far as its films reach.
@@ -73,6 +73,9 @@ pub(crate) fn analyze_films(
     replicated: Option<Replicated<'_>>,
     starts: Option<&FitStarts<'_>>,
 ) -> Result<Analysis, Error> {
+    if (options.target, options.grouping) == (FitTarget::Ferguson, Grouping::PerJoint) {
+        return Err(CaseError::FergusonPerJoint.into());
+    }
     let mut warnings = Warnings::default();
     let mut movement = Movement::of(case, options, replicated, &mut warnings)?;
     // Of these lines, a replicate uses only the comparison with the inflection line.

@@ -1,7 +1,7 @@
 //! Lines of action, personalisation and evaluation of one patient.
 
 use super::endings::warn_of_endings;
-use super::{AnalysisOptions, FilmMovement, Grouping, LineModel, Movement};
+use super::{AnalysisOptions, FilmMovement, LineModel, Movement};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
 use crate::evaluate::{FilmUnderLine, NearbyMatch, Simulation, Target, predict, simulate};
@@ -132,10 +132,7 @@ pub(super) fn settings_of<'a>(
 ) -> FitSettings<'a> {
     FitSettings {
         regions: &movement.regions,
-        target: match options.grouping {
-            Grouping::Regional | Grouping::FixedRegions => options.target,
-            Grouping::PerJoint => FitTarget::Shape,
-        },
+        target: options.target,
         gauge: options.gauge,
         support: options.support,
         prior: options.prior,

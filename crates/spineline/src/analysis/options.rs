@@ -24,6 +24,8 @@ named! {
         /// A check of results by region. Ferguson angles keep the regions of the erect curve.
         FixedRegions = "fixed_regions",
         /// One per joint, fitted to the whole shape.
+        ///
+        /// Three Ferguson angles per film do not give a stiffness of every joint: a fit to them is refused.
         PerJoint = "per_joint",
     }
 }

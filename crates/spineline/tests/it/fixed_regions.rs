@@ -40,3 +40,12 @@ fn the_line_that_made_the_films_stays_ahead_with_fixed_regions() {
         assert!(iliac < inflection, "subject {subject}: {iliac} and {inflection} mm");
     }
 }
+
+#[test]
+fn stiffness_of_single_joints_is_not_fitted_to_ferguson_angles() {
+    let case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a phantom").case;
+    let options = AnalysisOptions { grouping: Grouping::PerJoint, ..AnalysisOptions::paper() };
+    let error = analyze(&case, &options).expect_err("three angles for fourteen joints");
+    assert_eq!(error.code(), "ferguson_per_joint");
+    assert!(error.to_string().contains("Ferguson angles"), "{error}");
+}
