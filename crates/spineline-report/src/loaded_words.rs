@@ -21,8 +21,8 @@ fn value_words(quantity: LoadedQuantity, value: f64) -> String {
     let angle = Angle::from_deg(value);
     match quantity {
         LoadedQuantity::Cobb(_) | LoadedQuantity::TiltRange(_) | LoadedQuantity::Ferguson(_) => {
-            let side =
-                convex_side(angle).map_or_else(String::new, |side| format!(" convex {side}"));
+            let side = convex_side(angle).filter(|_| angle.shown_side().is_some());
+            let side = side.map_or_else(String::new, |side| format!(" convex {side}"));
             format!("{}{side}", angle.abs())
         }
         LoadedQuantity::LateralTilt | LoadedQuantity::TopTilt => angle.leaning(),
@@ -84,7 +84,8 @@ pub(crate) fn interval_words(
         _ => ("", &size_words),
     };
     // A value that is written as zero has no side.
-    if [low, high].map(size) == [0.0, 0.0].map(size) {
+    let [low, high] = [low, high].map(|end| if size(end) == size(0.0) { 0.0 } else { end });
+    if low == 0.0 && high == 0.0 {
         return format!("{} to {}{unit}", size(0.0), size(0.0));
     }
     if low < 0.0 && high > 0.0 {
@@ -141,6 +142,8 @@ mod tests {
         assert_eq!(found(COBB, 30.0, loaded, [20.0, 22.5]), "20.0° to 22.5° convex left");
         assert_eq!(found(COBB, -30.0, loaded, [-22.5, -20.0]), "20.0° to 22.5° convex right");
         assert_eq!(found(COBB, 30.0, loaded, [-1.0, 2.0]), "1.0° convex right to 2.0° convex left");
+        assert_eq!(found(COBB, 30.0, loaded, [-0.01, 2.0]), "0.0° to 2.0° convex left");
+        assert_eq!(value_words(COBB, 0.01), "0.0°");
         let offset = LoadedQuantity::TopOffset;
         assert_eq!(found(offset, 0.0, loaded, [-3.0, -1.0]), "1.0 to 3.0 mm right");
         let tilt = LoadedQuantity::LateralTilt;

@@ -117,14 +117,14 @@ fn joined<const N: usize>(sentences: [Option<String>; N]) -> String {
 fn curve(analysis: &Analysis) -> String {
     let main = analysis.movement.main_curve().map(|curve| {
         let name = if curve.has_cobb() { "Cobb angle" } else { "tilt range" };
-        let side = curve.convex.map_or_else(String::new, |side| format!(", convex to the {side}"));
+        let size = fixed(curve.erect_size().abs().deg(), 0);
+        // A curve that rounds to zero has no side.
+        let side = curve.convex.filter(|_| size != "0");
+        let side = side.map_or_else(String::new, |side| format!(", convex to the {side}"));
         let (ends, apex) = (curve.ends, curve.apex);
         format!(
-            "The {} curve has a {name} of {}°{side} ({}–{}, apex {apex}).",
-            curve.region,
-            fixed(curve.erect_size().abs().deg(), 0),
-            ends.superior,
-            ends.inferior
+            "The {} curve has a {name} of {size}°{side} ({}–{}, apex {apex}).",
+            curve.region, ends.superior, ends.inferior
         )
     });
     let place = |pair: &[spineline::curve::Inflection; 2]| {

@@ -166,11 +166,9 @@ fn axis_text(tilt: Angle, view: FilmView) -> String {
     if view == FilmView::Lateral {
         return format!("pitch {}", -tilt);
     }
-    match tilt.side() {
-        Some(side) if tilt.abs().to_string() != "0.0°" => {
-            format!("tilt {} to {}", tilt.abs(), words::patients(side))
-        }
-        _ => "tilt 0.0°".to_owned(),
+    match tilt.shown_side() {
+        Some(side) => format!("tilt {} to {}", tilt.abs(), words::patients(side)),
+        None => "tilt 0.0°".to_owned(),
     }
 }
 

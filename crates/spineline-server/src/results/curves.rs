@@ -16,7 +16,8 @@ pub fn size_of(curve: &ClinicalCurve, posture: Posture) -> Option<Angle> {
 /// One curve, such as `main thoracic, T5–T12, Cobb angle 48.2°, convex to the patient's right`.
 pub fn curve_text(curve: &ClinicalCurve, posture: Posture, angle: Angle) -> String {
     let ends = format!("{}–{}", curve.ends.superior, curve.ends.inferior);
-    let side = curve.size_in(posture).and_then(convex_side);
+    let shown = curve.size_in(posture).filter(|size| size.shown_side().is_some());
+    let side = shown.and_then(convex_side);
     let convex = side.map_or_else(String::new, |side| {
         let turned = if angle.rad() < 0.0 { " (reversed)" } else { "" };
         format!(", convex to the patient's {side}{turned}")
@@ -29,7 +30,8 @@ pub fn summary_of(analysis: &Analysis) -> Option<CurveSummary> {
     let size = curve.erect_size().abs();
     let lenke = analysis.movement.lenke.map(|lenke| lenke.number.to_string());
     let kind = lenke.as_ref().map_or_else(String::new, |number| format!("Lenke {number}, "));
-    let convex = curve.convex.map_or_else(String::new, |side| format!(" convex {side}"));
+    let side = curve.convex.filter(|_| size.shown_side().is_some());
+    let convex = side.map_or_else(String::new, |side| format!(" convex {side}"));
     let ends = format!("{}–{}", curve.ends.superior, curve.ends.inferior);
     let name = if curve.has_cobb() { "" } else { "tilt range " };
     Some(CurveSummary {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Analysis, LineModel, MultiplierEnding, MultiplierVerdict, Reference};
-use crate::anatomy::{Posture, Side};
+use crate::anatomy::Posture;
 use crate::clinical::ClinicalCurve;
 use crate::curve::{Inflection, InflectionInterval};
 use crate::evaluate::Simulation;
@@ -135,11 +135,17 @@ impl Analysis {
             return "No balance: the vertical of the erect film is not known".to_owned();
         };
         let beside = |mm: f64| {
-            let side = if mm < 0.0 { "right" } else { "left" };
-            format!("{} to the patient's {side}", self.movement.scale().text(mm.abs(), 0))
+            let scale = self.movement.scale();
+            let size = scale.text(mm.abs(), 0);
+            match fixed(scale.units_per_mm * mm, 0).as_str() {
+                // A distance that rounds to zero has no side.
+                "0" => format!("{size} from"),
+                _ if mm < 0.0 => format!("{size} to the patient's right of"),
+                _ => format!("{size} to the patient's left of"),
+            }
         };
         let mut words = vec![format!(
-            "Plumb line of {} {} of the vertical line through {}",
+            "Plumb line of {} {} the vertical line through {}",
             balance.plumb_level,
             beside(balance.coronal_balance_mm),
             balance.reference
@@ -147,9 +153,12 @@ impl Analysis {
         let tilts = [("T1", balance.t1_tilt), ("L4", balance.l4_tilt)];
         let known = tilts.into_iter().filter_map(|(level, tilt)| Some((level, tilt?)));
         words.extend(known.map(|(level, tilt)| format!("{level} tilt {}", tilt.leaning())));
-        words.extend(balance.pelvic_obliquity.map(|tilt| match tilt.side() {
-            Some(Side::Left) => format!("pelvic obliquity {}, right crest higher", tilt.abs()),
-            _ => format!("pelvic obliquity {}, left crest higher", tilt.abs()),
+        words.extend(balance.pelvic_obliquity.map(|tilt| match tilt.shown_side() {
+            // The normal of the iliac line tilts away from the higher crest.
+            Some(side) => {
+                format!("pelvic obliquity {}, {} crest higher", tilt.abs(), side.opposite())
+            }
+            None => format!("pelvic obliquity {}", tilt.abs()),
         }));
         words.push(format!("stable vertebra {}", balance.stable));
         words.join("; ")

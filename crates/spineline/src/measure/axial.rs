@@ -78,7 +78,7 @@ impl AxialRotation {
     /// In words, such as `12.3° to the left`.
     #[must_use]
     pub fn words(&self) -> String {
-        match self.side() {
+        match self.side().filter(|_| self.stokes.shown_side().is_some()) {
             Some(side) => format!("{} to the {side}", self.stokes.abs()),
             None => self.stokes.abs().to_string(),
         }

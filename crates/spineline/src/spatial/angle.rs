@@ -99,15 +99,17 @@ impl Angle {
         format!("{}°", fixed(self.deg(), places))
     }
 
+    /// The side of a frontal angle in words with one decimal place; `None` where it rounds to zero.
+    #[must_use]
+    pub fn shown_side(self) -> Option<Side> {
+        self.side().filter(|_| self.abs().to_string() != "0.0°")
+    }
+
     /// A frontal angle in words, such as `12.5° left`.
     #[must_use]
     pub fn leaning(self) -> String {
-        let size = self.abs().to_string();
-        match self.side() {
-            // An angle that rounds to zero has no side.
-            Some(side) if size != "0.0°" => format!("{size} {side}"),
-            _ => size,
-        }
+        let size = self.abs();
+        self.shown_side().map_or_else(|| size.to_string(), |side| format!("{size} {side}"))
     }
 }
 

@@ -75,6 +75,22 @@ fn a_turned_film_turns_every_tilt_against_the_horizontal() {
 }
 
 #[test]
+fn a_balance_and_an_obliquity_that_round_to_zero_have_no_side() {
+    let mut case = exact_case(0);
+    let (image, crests, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+    let top = readings[0].vertebrae[&Level::T2].corners.map(|p| image.frontal(p));
+    let middle = image.pixel(top.measure_location().expect("a body")).column_px;
+    let crests = crests.as_mut().expect("phantoms have crests");
+    let reach = 500.0 * (crests.left.column_px - crests.right.column_px).signum();
+    crests.left.column_px = middle + reach;
+    crests.right.column_px = middle - reach;
+    crests.right.row_px = crests.left.row_px;
+    let words = analyzed(&case, &on_a_table()).balance_words();
+    assert!(words.starts_with("Plumb line of T2 0 mm from the vertical line"), "{words}");
+    assert!(words.contains("pelvic obliquity 0.0°; "), "{words}");
+}
+
+#[test]
 fn without_crests_the_line_runs_through_the_lowest_vertebra_and_no_obliquity_is_given() {
     let mut case = exact_case(0);
     for film in &mut case.films {
