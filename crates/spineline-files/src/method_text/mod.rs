@@ -356,6 +356,15 @@ mod tests {
     }
 
     #[test]
+    fn the_scales_of_films_have_the_stated_error_of_the_films_first() {
+        let option = OPTIONS.iter().find(|option| option.name == "film_lengths").expect("one");
+        assert_eq!(
+            option.words(&AnalysisOptions::default()),
+            "every film has its own scale, standard deviation 3.3 % where it or the erect film states no error"
+        );
+    }
+
+    #[test]
     fn multipliers_per_joint_replace_the_fit_of_the_method_and_not_a_given_one() {
         let paper = AnalysisOptions::paper();
         let given = [("multipliers", "per-joint"), ("method", "paper"), ("fit", "ferguson")];

@@ -259,7 +259,7 @@ pub const OPTIONS: [MethodOption; 18] = [
     MethodOption {
         name: "film_lengths",
         title: "Lengths of the films",
-        help: "Lengths of the films: `per-film` (each film has a scale against the erect film; its standard deviation is 3.3 % where the film states no error), a number (another standard deviation, in percent), or `as-marked` (one scale, as in the paper)",
+        help: "Lengths of the films: `per-film` (each film has a scale against the erect film; its standard deviation is 3.3 % where it or the erect film states no error), a number (another standard deviation, in percent), or `as-marked` (one scale, as in the paper)",
         value_name: "RULE",
         values: OptionValues::Text(&["per-film", "as-marked"]),
         may_repeat: false,

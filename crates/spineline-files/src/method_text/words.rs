@@ -58,7 +58,9 @@ pub(super) fn film_lengths(rule: FilmLengthRule) -> String {
     match rule {
         FilmLengthRule::PerFilm { relative_sd } => {
             let percent = (1e11 * relative_sd).round() / 1e9;
-            format!("every film has its own scale, standard deviation {percent} %")
+            format!(
+                "every film has its own scale, standard deviation {percent} % where it or the erect film states no error"
+            )
         }
         FilmLengthRule::AsMarked => "one scale for all films (the paper)".to_owned(),
     }
