@@ -119,8 +119,9 @@ fn multipliers(patient: &Patient<'_>) -> Table {
         let rows = model.groups.titles().zip(model.multipliers()).zip(model.verdicts(analysis));
         for (group, ((name, value), verdict)) in rows.enumerate() {
             let scale = model.fit.absolute_scale;
-            let by_films =
-                found.map(|found| uncertainty::mean_of_joints(&found.multipliers[group], scale));
+            let found = found.map(|found| &found.multipliers[group]);
+            let by_films = found.map(|found| uncertainty::mean_of_joints(found, scale));
+            let places = found.map_or(2, |found| uncertainty::places(found, scale));
             let noise = match model.fit.bounds[group] {
                 StiffnessBound::Inside => {
                     patient.uncertainty.and_then(|found| noise_interval(found, model, group, scale))
@@ -130,7 +131,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
             table.row(vec![
                 model.kind.to_string(),
                 name,
-                fixed(value * scale, 2),
+                fixed(value * scale, places),
                 by_films.unwrap_or_else(none),
                 noise.unwrap_or_else(none),
                 verdict.to_string(),

@@ -61,6 +61,16 @@ impl Source<'_> {
         }
     }
 
+    /// Decimal places of a multiplier beside its interval.
+    fn places(self, model: &LineModel, group: usize) -> usize {
+        match self {
+            Self::Films(found) => {
+                uncertainty::places(&found.multipliers[group], model.fit.absolute_scale)
+            }
+            Self::Replicates(_) => 2,
+        }
+    }
+
     fn interval(self, model: &LineModel, group: usize) -> Option<String> {
         let scale = model.fit.absolute_scale;
         match self {
@@ -140,18 +150,29 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
     let scale = model.fit.absolute_scale;
     let values: Vec<f64> = model.multipliers().map(|value| value * scale).collect();
     let verdicts = model.verdicts(analysis);
+    let source = intervals.of_model(analysis, model);
     if values.len() > MOST_MULTIPLIERS {
-        let found = values.iter().zip(&verdicts).filter(|(_, verdict)| verdict.has_value());
-        let found: Vec<f64> = found.map(|(value, _)| *value).collect();
+        let has_value = |group: &usize| verdicts[*group].has_value();
+        let groups: Vec<usize> = (0..values.len()).filter(has_value).collect();
+        let found: Vec<f64> = groups.iter().map(|&group| values[group]).collect();
         let [low, high] = [f64::min, f64::max].map(|of| found.iter().copied().reduce(of));
         let ends = low.zip(high).map(|(low, high)| number::interval([low, high], 2));
+        let outside = match source {
+            Some(Source::Films(tested)) => {
+                groups.iter().filter(|&&group| tested.multipliers[group].is_outside()).count()
+            }
+            _ => 0,
+        };
+        let outside = (outside > 0).then(|| {
+            format!("; {outside} of {} fits lie outside of their 95 % intervals", found.len())
+        });
         return format!(
-            "Multiples of the table: {} over {}.",
+            "Multiples of the table: {} over {}{}.",
             ends.unwrap_or_else(none),
-            counted(found.len(), "joint")
+            counted(found.len(), "joint"),
+            outside.unwrap_or_default()
         );
     }
-    let source = intervals.of_model(analysis, model);
     let is_open = |group: usize| source.is_some_and(|source| !source.identifies(group));
     let refusal = |group: usize| {
         verdicts[group].ending.refusal().or_else(|| is_open(group).then_some("not identified"))
@@ -164,7 +185,9 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
     let one = |(group, (name, value)): (usize, (String, f64))| {
         let note = refusal(group).map(str::to_owned).or_else(|| found[group].clone());
         let note = note.map_or_else(String::new, |text| format!(" ({text})"));
-        format!("{} {}{note}", name, fixed(value, 2))
+        let shown = source.filter(|_| found[group].is_some());
+        let places = shown.map_or(2, |source| source.places(model, group));
+        format!("{} {}{note}", name, fixed(value, places))
     };
     let all = model.groups.titles().zip(values).enumerate().map(one).collect::<Vec<_>>();
     let few = match source {

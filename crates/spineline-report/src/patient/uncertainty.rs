@@ -18,13 +18,26 @@ use crate::phrases::none;
 
 /// The mean stiffness of a multiplier's joints with its 95 % interval, such as `0.71 (0.66 to 0.76)`.
 pub fn mean_of_joints(one: &MultiplierInformation, scale: f64) -> String {
-    let mean = |found: GroupStiffness| fixed(scale * found.log_mean.exp(), 2);
+    let places = places(one, scale);
+    let mean = |found: GroupStiffness| fixed(scale * found.log_mean.exp(), places);
     one.stiffness.map_or_else(none, |found| format!("{} ({})", mean(found), interval(one, scale)))
+}
+
+/// Decimal places of a multiplier and of the interval of its joints: two, or more where a fit outside of the interval would read as one of
+/// its ends.
+pub fn places(one: &MultiplierInformation, scale: f64) -> usize {
+    let is_hidden = |places: &usize| {
+        let at = |log: f64| fixed(scale * log.exp(), *places);
+        let is_shown = |end: &ProfileEnd| matches!(end, ProfileEnd::At(log) if at(*log) == at(one.log_multiplier));
+        one.is_outside() && one.interval_95().is_some_and(|ends| ends.iter().any(is_shown))
+    };
+    (2..5).find(|places| !is_hidden(places)).unwrap_or(5)
 }
 
 /// The 95 % interval of the mean stiffness of a multiplier's joints.
 pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
-    let at = |log: f64| fixed(scale * log.exp(), 2);
+    let places = places(one, scale);
+    let at = |log: f64| fixed(scale * log.exp(), places);
     match one.interval_95() {
         Some([ProfileEnd::At(low), ProfileEnd::At(high)]) => format!("{} to {}", at(low), at(high)),
         Some([ProfileEnd::At(low), ProfileEnd::Open]) => format!("above {}", at(low)),
@@ -65,7 +78,7 @@ pub fn identifiability(
             let mut row = vec![
                 model.kind.to_string(),
                 name,
-                fixed(value, 2),
+                fixed(value, places(one, 1.0)),
                 mean_of_joints(one, 1.0),
                 deviation(one.log_sd),
                 one.verdict().to_string(),
@@ -227,4 +240,33 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
         });
         add.numbers("In (%)", |one| fixed(100.0 * one.count as f64 / found.done.max(1) as f64, 1));
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use spineline::personalize::Profile;
+
+    use super::*;
+
+    #[test]
+    fn a_fit_outside_of_its_interval_does_not_read_as_one_of_its_ends() {
+        let profile =
+            Profile { points: Vec::new(), lower: ProfileEnd::Open, upper: ProfileEnd::Open };
+        let one = |multiplier: f64, [low, high]: [f64; 2]| {
+            let [low, high] = [low, high].map(f64::ln);
+            let (log_mean, log_reach) = (0.5 * (low + high), 0.5 * (high - low));
+            MultiplierInformation {
+                log_multiplier: multiplier.ln(),
+                log_sd: 0.1,
+                log_sd_with_prior: None,
+                profile: profile.clone(),
+                stiffness: Some(GroupStiffness { log_mean, log_sd: 0.1, log_reach }),
+            }
+        };
+        let hidden = one(0.4672, [0.4714, 0.5701]);
+        assert_eq!((places(&hidden, 1.0), interval(&hidden, 1.0).as_str()), (3, "0.471 to 0.570"));
+        for usual in [one(0.4748, [0.4714, 0.5701]), one(0.41, [0.4714, 0.5701])] {
+            assert_eq!((places(&usual, 1.0), interval(&usual, 1.0).as_str()), (2, "0.47 to 0.57"));
+        }
+    }
 }

@@ -2,8 +2,8 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{
-    Analysis, AnalysisOptions, FilmPredictor, FilmRole, MultiplierEnding, MultiplierVerdict,
-    Reference, analyze,
+    Analysis, AnalysisOptions, FilmPredictor, FilmRole, Grouping, MultiplierEnding,
+    MultiplierVerdict, Reference, analyze,
 };
 use spineline::anatomy::Posture;
 use spineline::cohort::ErrorKind;
@@ -159,6 +159,28 @@ fn stiffness_is_identified_only_where_this_was_tested() {
         }
     }
     assert!(open > 0, "the fit of prescribed rotations disagrees with the mean of the joints");
+}
+
+#[test]
+fn fits_of_single_joints_outside_of_their_intervals_are_counted() {
+    let case = case(0, Scenario::Rod);
+    let grouping = Grouping::PerJoint;
+    let options = AnalysisOptions { grouping, ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a phantom is sound");
+    let tested: Vec<_> =
+        analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
+    let kind = analysis.headline(Some(&tested)).kind;
+    let place = analysis.models.iter().position(|model| Some(model.kind) == kind);
+    let place = place.expect("a model");
+    let verdicts = analysis.models[place].verdicts(&analysis);
+    let all = &tested[place].as_ref().expect("a converged fit").multipliers;
+    let valued = verdicts.iter().zip(all).filter(|(fit, _)| fit.has_value());
+    let outside: Vec<bool> = valued.map(|(_, one)| one.is_outside()).collect();
+    let count = outside.iter().filter(|outside| **outside).count();
+    let patient = Patient { identifiability: Some(&tested), ..shown(&case, &analysis, "") };
+    let text = one_line(&first_screen(&patient::summary(&patient), WITH_REASONS));
+    let words = format!("; {count} of {} fits lie outside of their 95 % intervals.", outside.len());
+    assert_eq!(text.contains(&words), count > 0, "{words}\n{text}");
 }
 
 #[test]
