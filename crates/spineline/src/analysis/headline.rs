@@ -46,12 +46,17 @@ impl Analysis {
     fn lines_headline(&self) -> Option<String> {
         let outcome = |model| (self.compatibility(model).outcome(), model);
         let found: Vec<(TestOutcome, &LineModel)> = self.testable_models().map(outcome).collect();
+        let (bends, s) = self.tested_by(found.iter().map(|(_, model)| *model));
+        // A line that fewer bends have is named with its bend.
+        let name = |model: &LineModel| match self.tested_by([model]) {
+            (own, _) if own != bends => format!("the {} of the {own}", model.kind),
+            _ => format!("the {}", model.kind),
+        };
         let of = |outcome| {
             let lines = found.iter().filter(|(one, _)| *one == outcome);
-            listed(&lines.map(|(_, model)| format!("the {}", model.kind)).collect::<Vec<_>>())
+            listed(&lines.map(|(_, model)| name(model)).collect::<Vec<_>>())
         };
         let (rejected, kept) = (of(TestOutcome::Rejected), of(TestOutcome::Kept));
-        let (bends, s) = self.tested_by(found.iter().map(|(_, model)| *model));
         let sentence = match (rejected.is_empty(), kept.is_empty()) {
             (true, true) => None,
             (true, false) => Some(format!(

@@ -76,6 +76,16 @@ fn f37_a_line_outside_of_the_body_gives_a_warning_with_its_distance() {
 }
 
 #[test]
+fn a_line_of_one_bend_is_rejected_or_kept_with_the_name_of_that_bend() {
+    let analysis =
+        with_line(LineOfAction::leaning(Frontal::new(0.0, 200.0), Angle::from_deg(10.0)));
+    let words = analysis.headline(None).line;
+    assert!(words.contains("the given line of the left bend"), "{words}");
+    // Both bends test the others.
+    assert!(words.starts_with("The bends ") && words.matches(" of the ").count() == 1, "{words}");
+}
+
+#[test]
 fn f37_a_line_that_crosses_the_curve_three_times_has_a_named_ending() {
     // Oracle: the lever arm changes its sign at every crossing, here at the two inflections and between them.
     let wave = |z: f64| {
