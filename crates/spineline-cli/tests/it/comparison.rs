@@ -58,7 +58,7 @@ fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
     assert_says(
         &text,
         &[
-            "Every pair of lines, tested",
+            "Every pair of lines, compared",
             "First minus",
             "inflection –",
             "Sign-",

@@ -180,7 +180,7 @@ fn by_line(cohort: &Cohort) -> Table {
 
 fn family(cohort: &Cohort) -> Table {
     let tests = cohort.compared.tests.iter().filter(|test| test.comparison.is_compared());
-    Table::of("Every pair of lines, tested", tests, |add| {
+    Table::of("Every pair of lines, compared", tests, |add| {
         add.words("First minus second line", |test| test.lines.map(line_in_short).join(" – "));
         add.words("Films", |test| test.role.to_string());
         add.words("Error", |test| match test.error {
