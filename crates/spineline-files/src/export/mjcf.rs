@@ -2,6 +2,7 @@
 
 use spineline::action::Application;
 use spineline::analysis::PersonalisedModel;
+use spineline::number::significant;
 use spineline::spatial::Vec3;
 
 use super::assembly::{Assembly, Hinge, Joint, Vertebra};
@@ -19,7 +20,7 @@ const DIALECT: Dialect = Dialect {
     nominal: || {
         format!(
             "armature of a hinge {} s2 and damping {} s times its stiffness, so that every hinge is critically damped; {} kg and {} kg m2 of a vertebra",
-            number(TIME_S * TIME_S),
+            number(significant(TIME_S * TIME_S, 6)),
             number(2.0 * TIME_S),
             number(MASS_KG),
             number(INERTIA_KG_M2),

@@ -190,6 +190,12 @@ pub(super) fn rotation(q: &[f64]) -> Mat3 {
 }
 
 #[test]
+fn the_comment_of_a_model_has_no_last_bits() {
+    let text = exported(&model(Support::Free), ExportFormat::Mjcf);
+    assert!(text.contains("armature of a hinge 0.01 s2 and damping 0.2 s"), "{text}");
+}
+
+#[test]
 fn mjcf_bodies_have_the_places_of_vertebrae_and_hinges_their_inferior_axes() {
     // Oracle: poses composed from the file's own numbers against the model's.
     const MM: f64 = 1e-11;
