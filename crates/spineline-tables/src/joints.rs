@@ -20,7 +20,7 @@ pub(crate) struct Joint<'a> {
 
 impl Joint<'_> {
     fn contradicted(&self) -> Option<&ContradictedJoint> {
-        let (_, simulation) = self.simulated?;
+        let (_, simulation) = self.simulated.filter(|(_, one)| one.is_usable())?;
         simulation
             .contradicted
             .iter()
@@ -65,7 +65,10 @@ fn columns_of_joints(add: &mut Columns<'_, JointRow<'_>>) {
     add.truth(
         "contradicted",
         "whether the joint turns against the moment of the force (counter-rotating joint): no positive stiffness explains it",
-        |row| row.simulated.map(|_| row.contradicted().is_some()),
+        |row| {
+            let (_, simulation) = row.simulated?;
+            simulation.is_usable().then(|| row.contradicted().is_some())
+        },
     );
     add.number(
         "lever_arm",

@@ -312,13 +312,13 @@ fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
         });
     }
     add.count("joints_against", "number of counter-rotating joints", |row| {
-        row.simulation.contradicted.len()
+        row.simulation.is_usable().then(|| row.simulation.contradicted.len())
     });
     add.number(
         "work_against",
         Unit::One,
         "share of these joints in the work of all joints",
-        |row| row.simulation.contradicted_weight(),
+        |row| row.simulation.is_usable().then(|| row.simulation.contradicted_weight()),
     );
 }
 

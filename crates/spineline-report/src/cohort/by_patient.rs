@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, LineModel};
 use spineline::cohort::Cohort;
+use spineline::evaluate::Simulation;
 use spineline::hypothesis::HypothesisScores;
 use spineline::number::fixed;
 
@@ -81,7 +82,8 @@ impl PatientRow {
 impl ModelRow {
     fn of(analysis: &Analysis, model: &LineModel) -> Self {
         let fitted = model.simulations.iter().filter(|simulation| simulation.fitted);
-        let counts: Vec<String> = fitted.map(|s| s.contradicted.len().to_string()).collect();
+        let count = |s: &Simulation| s.is_usable().then(|| s.contradicted.len().to_string());
+        let counts: Vec<String> = fitted.map(|s| count(s).unwrap_or_else(none)).collect();
         Self {
             kind: model.kind,
             fitted_mm: model.mean_location_error_mm(true),

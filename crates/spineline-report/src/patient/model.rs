@@ -247,7 +247,7 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
         let force = if absolute { "Force (N)" } else { "Force (relative)" };
         add.numbers(force, |(_, s)| or_none(s, fixed(s.force_n, 0)));
         add.numbers("Counter-rotating joints", |(_, s)| {
-            format!("{} of {}", s.contradicted.len(), s.joints())
+            or_none(s, format!("{} of {}", s.contradicted.len(), s.joints()))
         });
     });
     let mut films = analysis.movement.films.iter();

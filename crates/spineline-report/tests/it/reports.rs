@@ -7,7 +7,7 @@ use spineline::anatomy::Level;
 use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline::evaluate::Baseline;
 use spineline::measure::{FilmLengthRule, TiltRule};
-use spineline::multibody::Support;
+use spineline::multibody::{PathEnding, Support};
 use spineline_phantom::{SagittalShape, Scenario, SpaceSetup, generate_in_space};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
 use spineline_report::{Document, embedded, html, markdown, patient, png};
@@ -331,6 +331,24 @@ fn reports_use_the_terms_of_the_field() {
     }
     let text = markdown(&documents[0], "figures");
     assert!(text.contains("Scale constraint (gauge)"), "{text}");
+}
+
+#[test]
+fn a_film_without_a_result_has_no_number_of_counter_rotating_joints() {
+    let case = case(0);
+    let mut analysis = analyzed(&case);
+    let bend = analysis.models[0].simulations.iter_mut().find(|one| one.fitted);
+    bend.expect("a fitted bend").status = PathEnding::Unreachable;
+    let document = patient::report(&shown(&case, &analysis, JSON));
+    let blocks = document.sections.iter().flat_map(|section| &section.blocks);
+    let mut tables = blocks.filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    let table = tables.find(|table| table.caption == "Errors on fitted films").expect("a table");
+    let lost: Vec<_> = table.rows.iter().filter(|row| row[2] == "unreachable").collect();
+    assert_eq!(lost.len(), 1);
+    assert_eq!(lost[0].last().map(String::as_str), Some("–"));
 }
 
 #[test]

@@ -137,7 +137,7 @@ fn joints(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Vec<Joint
 
 fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
     let turns = |s: &&spineline::evaluate::Simulation| {
-        s.contradicted.iter().any(|joint| joint.inferior == inferior)
+        s.is_usable() && s.contradicted.iter().any(|joint| joint.inferior == inferior)
     };
     model.simulations.iter().filter(turns).map(|s| Wire(s.shape.posture)).collect()
 }

@@ -55,7 +55,12 @@ pub fn simulated(
         path: path.iter().map(|part| deformed_shape(&analysis.movement.spine, part)).collect(),
         errors: errors_by_level(&simulation.shape),
         mean_error_mm: usable.then(|| simulation.shape.mean_location_error_mm()),
-        contradictions: simulation.contradicted.iter().map(contradiction_text).collect(),
+        contradictions: simulation
+            .contradicted
+            .iter()
+            .filter(|_| usable)
+            .map(contradiction_text)
+            .collect(),
     }
 }
 
