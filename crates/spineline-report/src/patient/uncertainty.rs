@@ -166,13 +166,13 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
             format!("Interrupted: requested were {}.", counted(found.requested, "replicate"));
         section.notice(Notice::new(NoticeKind::Warning, text));
     }
-    section.table(places(analysis, found));
+    section.table(of_vertebrae(analysis, found));
     section.table(spreads(analysis, found));
     section
 }
 
 /// Standard deviations of the measured vertebrae, film by film.
-fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
+fn of_vertebrae(analysis: &Analysis, found: &Uncertainty) -> Table {
     let columns = vec![
         Column::words("Film"),
         Column::words("Lateral, mean"),
