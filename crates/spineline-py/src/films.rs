@@ -60,8 +60,8 @@ pub fn case_of_films(
         return Err(Fault::new(format!("two films are {view}"), "give every film once"));
     }
     let films: Vec<Film> = parts.iter().flat_map(|one| one.case.films.iter().cloned()).collect();
-    check_repeated(&films).map_err(Error::from)?;
     let lateral = parts.iter().find_map(|one| one.case.lateral.clone());
+    check_repeated(&films, lateral.as_ref()).map_err(Error::from)?;
     let case = analysis::Case { synthetic, lateral, ..analysis::Case::of_films(case_id, films) };
     let file = parts.iter().fold(CaseFile::from_case(&case), |file, one| with_pictures(file, one));
     let made_from = parts.iter().flat_map(|one| one.sources()).collect();

@@ -137,7 +137,8 @@ impl NewCase {
         let case = spineline_files::parse_case(text).map_err(CaseError::File)?;
         let written = spineline_files::parse_json(text).map_err(CaseError::File)?;
         let id = Name::new(&case.id).map_err(CaseError::Name)?;
-        check_repeated(&case.films).map_err(|error| CaseError::Repeated(error.into()))?;
+        check_repeated(&case.films, case.lateral.as_ref())
+            .map_err(|error| CaseError::Repeated(error.into()))?;
         let mut films = Vec::new();
         let records = written["films"].as_array().into_iter().flatten();
         for (film, record) in case.films.iter().zip(records) {

@@ -47,16 +47,16 @@ faults! {
             /// The largest that is taken.
             limit_years: f64,
         },
-        /// Two postures carry the same landmarks.
-        #[error("the {first} film and the {second} film have the same landmarks: one film stands for two postures")]
+        /// Two films carry the same landmarks.
+        #[error("the {first} film and the {second} film have the same landmarks: one film stands for two")]
         #[code("film_repeated")]
-        #[help("give each posture its own film, or leave the repeated one out of the case")]
-        #[at(film = FilmView::from(*second))]
+        #[help("give each posture and view its own film, or leave the repeated one out of the case")]
+        #[at(film = *second)]
         FilmRepeated {
-            /// One posture.
-            first: Posture,
+            /// One of them.
+            first: FilmView,
             /// The other.
-            second: Posture,
+            second: FilmView,
         },
         /// Both bends are tilted to the wrong side of the erect film, beyond noise.
         #[error("from the erect film, the lateral tilt changes by {} on the left bending film and by {} on the right bending film: the two films are exchanged", left.leaning(), right.leaning())]

@@ -181,7 +181,7 @@ fn no_two_films_of_the_set_are_taken_as_one() {
     for (index, film) in films.iter().enumerate() {
         for other in &films[..index] {
             let other = Film { posture: Posture::Neutral, ..other.clone() };
-            equal += usize::from(check_repeated(&[film.clone(), other]).is_err());
+            equal += usize::from(check_repeated(&[film.clone(), other], None).is_err());
         }
     }
     println!("{equal} pairs of {} films have the same landmarks", films.len());

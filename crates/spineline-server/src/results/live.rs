@@ -1,5 +1,7 @@
 //! Results of a reading together with the other films of its study.
 
+use std::slice;
+
 use axum::extract::State;
 use spineline::analysis::check_repeated;
 use spineline::anatomy::{FilmView, Level, Posture};
@@ -82,10 +84,15 @@ fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
     }
 }
 
-/// Why the lateral film cannot be measured.
+/// Why the lateral film cannot be measured, or repeats another film.
 fn lateral_fault(result: &StudyResult) -> Option<Error> {
-    let film = result.current.case.lateral.as_ref()?;
-    film.measure(&mut Warnings::default()).err().map(Error::from)
+    let case = &result.current.case;
+    let film = case.lateral.as_ref()?;
+    if let Err(error) = film.measure(&mut Warnings::default()) {
+        return Some(error.into());
+    }
+    let mut frontal = case.films.iter().map(slice::from_ref);
+    frontal.find_map(|one| check_repeated(one, Some(film)).err()).map(Error::from)
 }
 
 /// Why the film of the reading cannot be measured, or repeats another film.
@@ -98,7 +105,10 @@ fn fault_of(result: &StudyResult, posture: Posture) -> Option<Error> {
     let films = &result.current.case.films;
     let others = films.iter().filter(|film| film.posture != posture);
     let pairs = others.map(|other| [other.clone(), landmarks.clone()]);
-    pairs.map(|pair| check_repeated(&pair)).find_map(Result::err).map(Error::from)
+    let lateral = result.current.case.lateral.as_ref();
+    let beside_lateral = || check_repeated(slice::from_ref(landmarks), lateral).err();
+    let repeated = pairs.map(|pair| check_repeated(&pair, None)).find_map(Result::err);
+    repeated.or_else(beside_lateral).map(Error::from)
 }
 
 fn status(result: &StudyResult, missing: &[Level], fault: Option<&Error>) -> (LiveStatus, String) {

@@ -1,10 +1,12 @@
 //! Consistency checks between the films of one patient, before they are analysed together.
 
 use super::wrong_film::tilt_margin;
-use crate::anatomy::{Levels, Posture};
+use crate::anatomy::{FilmView, Levels, Posture};
 use crate::clinical::ClinicalCurve;
 use crate::error::CaseError;
-use crate::measure::{Film, FilmLength, Outline, SpacingPlane, body_widths, same_landmarks};
+use crate::measure::{
+    Film, FilmLength, LateralFilm, Outline, SpacingPlane, body_widths, same_landmarks,
+};
 use crate::number::fixed;
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};
@@ -20,28 +22,34 @@ pub(super) fn check_age(age_years: Option<f64>) -> Result<(), CaseError> {
     }
 }
 
-/// Refuses two postures with the same landmarks, of whichever vertebrae.
+/// Refuses two postures with the same landmarks, of whichever vertebrae, and a lateral film with the corners of one of them.
 ///
 /// # Errors
 /// [`CaseError::FilmRepeated`].
-pub fn check_repeated(films: &[Film]) -> Result<(), CaseError> {
+pub fn check_repeated(films: &[Film], lateral: Option<&LateralFilm>) -> Result<(), CaseError> {
     for (i, film) in films.iter().enumerate() {
+        let second = film.posture.into();
         if let Some(other) = films[..i].iter().find(|other| same_landmarks(other, film)) {
-            let (first, second) = (other.posture, film.posture);
-            return Err(CaseError::FilmRepeated { first, second });
+            return Err(CaseError::FilmRepeated { first: other.posture.into(), second });
+        }
+        if lateral.is_some_and(|lateral| lateral.has_corners_of(film)) {
+            return Err(CaseError::FilmRepeated { first: second, second: FilmView::Lateral });
         }
     }
     Ok(())
 }
 
 /// One film per posture, one of them erect, and no film in two postures.
-pub(super) fn check_postures(films: &[Film]) -> Result<(), CaseError> {
+pub(super) fn check_postures(
+    films: &[Film],
+    lateral: Option<&LateralFilm>,
+) -> Result<(), CaseError> {
     for (i, film) in films.iter().enumerate() {
         if films[..i].iter().any(|other| other.posture == film.posture) {
             return Err(CaseError::PostureTwice { posture: film.posture });
         }
     }
-    check_repeated(films)?;
+    check_repeated(films, lateral)?;
     if films.iter().any(|film| film.posture == Posture::Erect) {
         Ok(())
     } else {

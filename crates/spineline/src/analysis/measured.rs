@@ -43,7 +43,7 @@ pub(super) fn measure(
     warnings: &mut Warnings,
 ) -> Result<Measured, Error> {
     check_age(case.subject.age_years)?;
-    check_postures(&case.films)?;
+    check_postures(&case.films, case.lateral.as_ref())?;
     let mut marked: Vec<&Film> = case.films.iter().collect();
     marked.sort_by_key(|film| film.posture);
     warnings.check_films(marked.iter().filter(|film| film.checked).map(|film| film.posture));

@@ -61,16 +61,21 @@ impl Mark for Placement {
 
 /// Whether two readings have the same landmarks in all vertebrae that both have.
 fn are_same<T: Mark>(one: &Reading<T>, other: &Reading<T>) -> bool {
-    let mut same = 0;
-    for (level, mark) in &one.vertebrae {
-        match other.vertebrae.get(level).and_then(|of| mark.is_same(of)) {
-            Some(true) => same += 1,
-            Some(false) => return false,
-            None => {}
-        }
-    }
+    let pairs = one
+        .vertebrae
+        .iter()
+        .filter_map(|(level, mark)| other.vertebrae.get(level).and_then(|of| mark.is_same(of)));
     // Two readings of one name are refused elsewhere.
-    one.id != other.id && same >= MIN_SAME
+    one.id != other.id && all_same(pairs)
+}
+
+/// Whether no pair of marks differs, and enough of them are equal.
+pub(super) fn all_same(mut pairs: impl Iterator<Item = bool>) -> bool {
+    let mut same = 0;
+    pairs.all(|is_same| {
+        same += usize::from(is_same);
+        is_same
+    }) && same >= MIN_SAME
 }
 
 /// The places of every reading with copies, and of its copies, in the order of observers and repeats: the first one is the original.

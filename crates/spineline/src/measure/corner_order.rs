@@ -4,9 +4,9 @@ use super::Corners;
 use crate::spatial::Frontal;
 
 /// Places of the four corners: superior left, superior right, inferior left, inferior right.
-const PLACES: [usize; 4] = [0, 1, 2, 3];
+pub(super) const PLACES: [usize; 4] = [0, 1, 2, 3];
 /// Left and right exchanged: the film is mirrored, which is another fault.
-const MIRRORED: [usize; 4] = [1, 0, 3, 2];
+pub(super) const MIRRORED: [usize; 4] = [1, 0, 3, 2];
 /// Largest angle of a body's axis to the line through its neighbours, by its cosine; a body that lies on its side is beyond it.
 const COS_LIMIT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 

@@ -7,8 +7,8 @@ use crate::common::{
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, FilmReadings, Noise, Origin, Reading, ReadingId, SpacingPlane,
-    TiltRule, VertebraLandmarks, judge_landmarks, judge_reading,
+    Corners, Film, FilmLandmarks, FilmReadings, ImageGeometry, LateralFilm, Noise, Origin, Reading,
+    ReadingId, SpacingPlane, TiltRule, VertebraLandmarks, judge_landmarks, judge_reading,
 };
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::WarningCode;
@@ -40,6 +40,36 @@ fn the_same_landmarks_in_two_postures_are_one_film() {
         assert_eq!(error.code(), "film_repeated");
         let text = error.to_string();
         assert!(text.contains("erect") && text.contains("right bending"), "{text}");
+    }
+}
+
+#[test]
+fn a_lateral_film_with_the_corners_of_a_frontal_film_is_refused() {
+    for mut case in variants() {
+        for posture in [Posture::Erect, Posture::LeftBending] {
+            let (image, _, readings) = landmarks(film_mut(&mut case, posture));
+            let (image, read) = (*image, readings[0].clone());
+            for are_exchanged in [false, true] {
+                // The same picture: the left of the patient, or the right, is taken for the front.
+                let corners = read.vertebrae.iter().map(|(&level, landmark)| {
+                    let [a, b, c, d] = landmark.corners.points();
+                    let places = if are_exchanged { [b, a, d, c] } else { [a, b, c, d] };
+                    (level, Corners::from(places))
+                });
+                let readings =
+                    vec![Reading { id: ReadingId::new("B", 1), vertebrae: corners.collect() }];
+                let patient_left =
+                    if are_exchanged { image.patient_left.opposite() } else { image.patient_left };
+                let image = ImageGeometry { patient_left, ..image };
+                case.lateral = Some(LateralFilm { image, simultaneous: false, readings });
+                let error = refused(&case);
+                assert_eq!(error.code(), "film_repeated");
+                let text = error.to_string();
+                assert!(text.contains("lateral") && text.contains(&posture.to_string()), "{text}");
+            }
+        }
+        case.lateral = None;
+        analyzed(&case, &on_a_table());
     }
 }
 

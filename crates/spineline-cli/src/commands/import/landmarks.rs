@@ -127,7 +127,6 @@ pub fn read_onto(
             })?;
         }
     }
-    check_all(&landmarks)?;
     Ok(landmarks)
 }
 
@@ -236,10 +235,14 @@ fn refuse_placements(file: &Path, film: &Film) -> Result<(), Failure> {
     Err(Failure::input(file.display(), what, help))
 }
 
-/// Refuses landmarks of one film for two postures, in whatever formats they came.
-fn check_all(landmarks: &LandmarksByPosture) -> Result<(), Failure> {
+/// Refuses landmarks of one film for two postures or views, in whatever formats they came.
+pub fn check_all(
+    landmarks: &LandmarksByPosture,
+    lateral: Option<&LateralFilm>,
+) -> Result<(), Failure> {
     let film =
         |(&posture, landmarks): (&Posture, &FilmLandmarks)| Film::new(posture, landmarks.clone());
     let films: Vec<Film> = landmarks.iter().map(film).collect();
-    check_repeated(&films).map_err(|error| Failure::of("the landmarks", &Error::from(error)))
+    check_repeated(&films, lateral)
+        .map_err(|error| Failure::of("the landmarks", &Error::from(error)))
 }

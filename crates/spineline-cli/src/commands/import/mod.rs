@@ -70,6 +70,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         Some(film) => Some(film.lateral(landmarks::read_lateral(args, film)?)),
         None => None,
     };
+    landmarks::check_all(&landmarks, lateral.as_ref())?;
     let marked = landmarks.len()
         + usize::from(lateral.as_ref().is_some_and(|film| !film.readings.is_empty()));
     landmarks::note_alike_observers(&landmarks, lateral.as_ref());

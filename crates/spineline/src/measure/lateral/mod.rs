@@ -7,15 +7,16 @@ pub use outline::{LateralOutline, LateralVertebra};
 use std::borrow::Cow;
 
 use super::bodies::ReadBodies;
-use super::copies::{as_one, warn_of_copies};
+use super::copies::{Mark, all_same, as_one, warn_of_copies};
+use super::corner_order::{MIRRORED, PLACES};
 use super::film_checks::{check_observers, check_pixels};
 use super::lengths::FilmSizes;
 use super::order::{LevelStep, MIN_SPACING_SHARE};
 use super::placing::{cranial_of, in_all, runs_down};
 use super::plausibility::warn_of_corners;
 use super::{
-    CornerFault, Corners, FilmPlace, ImageGeometry, MeasureError, MeasureFault, Placement, Reading,
-    ReadingId,
+    CornerFault, Corners, Film, FilmPlace, ImageGeometry, MeasureError, MeasureFault, Placement,
+    Reading, ReadingId, VertebraLandmarks,
 };
 use crate::anatomy::{FilmView, Level};
 use crate::spatial::{Angle, Frontal, Pixel};
@@ -84,6 +85,21 @@ impl LateralFilm {
     /// This film, where an original and its copies are one reading.
     pub(crate) fn with_copies_as_one(&self) -> Self {
         Self { readings: as_one(&self.readings).into_owned(), ..*self }
+    }
+
+    /// Whether one of its readings has the corners of a reading of a frontal film, whose left ones are the anterior or the posterior ones.
+    pub(crate) fn has_corners_of(&self, film: &Film) -> bool {
+        let is_copy = |own: &Reading<Corners<Pixel>>, other: &Reading<VertebraLandmarks>| {
+            let same = |order: [usize; 4]| {
+                all_same(own.vertebrae.iter().filter_map(|(level, corners)| {
+                    let given = other.vertebrae.get(level)?.corners.points();
+                    corners.is_same(&order.map(|place| given[place]).into())
+                }))
+            };
+            same(PLACES) || same(MIRRORED)
+        };
+        let of_film = film.landmarks.corner_readings();
+        self.readings.iter().any(|own| of_film.iter().any(|other| is_copy(own, other)))
     }
 
     /// What a frontal film is refused for too: observers, spacing, and landmarks outside of the picture.
