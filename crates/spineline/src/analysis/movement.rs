@@ -347,7 +347,7 @@ fn unloaded_spine(
         None => None,
     };
     let axial = match film {
-        Some(film) => axial_rotations(film, erect)?,
+        Some(film) => axial_rotations(film, erect, warnings)?,
         None => Vec::new(),
     };
     let mut profile = SagittalProfile::default();

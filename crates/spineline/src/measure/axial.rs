@@ -1,6 +1,8 @@
 //! Axial rotation of vertebrae from their pedicles on a frontal film.
 
-use super::VertebraLandmarks;
+use std::ops::RangeInclusive;
+
+use super::{Corners, VertebraLandmarks};
 use crate::anatomy::{Level, Morphometry, PediclePlace, Side, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -97,6 +99,15 @@ pub enum PedicleFault {
     /// One lies more than the width of the body from its centre.
     #[error("a pedicle lies beside its body")]
     FarFromBody,
+    /// Both lie so far above or below the body, along its axis, that they are another vertebra's.
+    #[error("its pedicles lie {}", match fits {
+        Some(level) => format!("at the height of {level}"),
+        None => "far above or below its body".to_owned(),
+    })]
+    OtherLevel {
+        /// The marked vertebra that they fit best.
+        fits: Option<Level>,
+    },
 }
 
 impl PedicleFault {
@@ -108,11 +119,28 @@ impl PedicleFault {
             Self::SidesExchanged => {
                 "left and right are the patient's: exchange the two pedicles of this vertebra"
             }
-            Self::FarFromBody => {
+            Self::FarFromBody | Self::OtherLevel { .. } => {
                 "mark the pedicles of this vertebra again: they lie within the outline of its body"
             }
         }
     }
+}
+
+/// Height of two pedicles over the middle of a body along its axis, as a part of the height of the body: mean of both.
+pub(super) fn height_over(body: &Corners<Frontal>, pedicles: [Frontal; 2]) -> f64 {
+    let up = (pedicles[0] + pedicles[1]) * 0.5 - body.centre();
+    up.rotated(-body.measure_tilt()).z_mm / body.height_mm()
+}
+
+/// Heights of [`height_over`] at which pedicles may be a vertebra's own.
+///
+/// A pedicle lies behind the upper half of its body, so a film shows it higher the more the vertebra leans forward, which L5 and L4 do most.
+/// On phantoms of the five shapes from the side, pedicles of the body's own height or of a quarter above it (assumption) lie from -0.45
+/// to 0.76, of L5 and L4 to 1.12; those of the next vertebra above from 0.98 on, at L5 and L4 from 1.46 on; those of the next one
+/// below lie from -0.9 down at most levels.
+pub(super) fn own_heights(level: Level) -> RangeInclusive<f64> {
+    let most = if level <= Level::L4 { 1.25 } else { 1.0 };
+    -0.75..=most
 }
 
 /// The pedicles of one body across its axis, from its centre to the left, and its width, in the unit of the film.
@@ -146,6 +174,11 @@ impl PediclePair {
         Ok(Self { left, right, width })
     }
 
+    /// Distance of the pedicle nearer to the midline, as a part of half of the distance between both; negative beyond the midline.
+    pub fn nearer_share(&self) -> f64 {
+        2.0 * self.left.min(-self.right) / (self.left - self.right)
+    }
+
     pub fn mean(mut all: Vec<Self>) -> Option<Self> {
         // The order of the readings must not reach the last bit.
         all.sort_by(|a, b| a.left.total_cmp(&b.left).then(a.right.total_cmp(&b.right)));
@@ -171,14 +204,13 @@ impl PediclePair {
         let typical = Morphometry::of(level);
         let width_mm = 0.5 * (typical.superior_width_mm + typical.inferior_width_mm);
         let sine = -sum / (2.0 * self.width * place.behind_mm / width_mm);
-        let nearer = self.left.min(-self.right);
         AxialRotation {
             level,
             stokes,
             drerup: (sine.abs() <= 1.0)
                 .then(|| Angle::from_sin_cos(sine, (1.0 - sine * sine).sqrt())),
             sd: Angle::from_rad(sd),
-            grade: NashMoe::of(2.0 * nearer / difference),
+            grade: NashMoe::of(self.nearer_share()),
             readings,
         }
     }

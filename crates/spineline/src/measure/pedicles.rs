@@ -1,11 +1,17 @@
 //! Axial rotations of a film's vertebrae from their marked pedicles.
 
-use super::axial::PediclePair;
+use super::axial::{PediclePair, height_over, own_heights};
 use super::{
-    AxialRotation, Film, FilmLandmarks, FilmPlace, MeasureError, MeasureFault, Outline,
-    PedicleFault,
+    AxialRotation, Corners, Film, FilmLandmarks, FilmPlace, ImageGeometry, MeasureError,
+    MeasureFault, Outline, PedicleFault, Reading, VertebraLandmarks,
 };
-use crate::anatomy::Level;
+use crate::anatomy::{Level, Side};
+use crate::spatial::{Frontal, Pixel};
+use crate::warning::{WarningCode, Warnings};
+
+/// Share of half of the distance between two pedicles, by which both lie on one half of the body, from where they are doubted: a typical
+/// vertebra shows it at an axial rotation of 35° in the thoracic spine and 40° at L2.
+const ONE_SIDE_SHARE: f64 = -0.25;
 
 /// Axial rotations of all vertebrae of a film on which both pedicles are marked, caudal first: means over readings.
 ///
@@ -14,6 +20,7 @@ use crate::anatomy::Level;
 pub(crate) fn axial_rotations(
     film: &Film,
     outline: &Outline,
+    warnings: &mut Warnings,
 ) -> Result<Vec<AxialRotation>, MeasureError> {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
         return Ok(Vec::new());
@@ -31,6 +38,7 @@ pub(crate) fn axial_rotations(
             if ![left, right].into_iter().all(|place| image.contains(place)) {
                 return Err(fault(PedicleFault::OffImage));
             }
+            check_height(image, reading, level, [left, right]).map_err(fault)?;
             let pair = PediclePair::of(landmark, |place| image.frontal(place)).map_err(fault)?;
             places.push(pair);
         }
@@ -39,7 +47,39 @@ pub(crate) fn axial_rotations(
         let Some(vertebra) = outline.vertebra(level) else { continue };
         let per_mm = outline.scale.units_per_mm;
         let corner_sd = outline.noise_of(vertebra).corner_mm() * per_mm;
-        found.push(mean.rotation(level, corner_sd, marked));
+        let rotation = mean.rotation(level, corner_sd, marked);
+        if mean.nearer_share() < ONE_SIDE_SHARE {
+            // The front turns away from the half on which the pedicles lie.
+            let half = rotation.side().map_or(Side::Left, Side::opposite);
+            let text = format!(
+                "both of its pedicles lie on the {half} half of its body, so its axial rotation is {}: check both pedicles and the corners",
+                rotation.words()
+            );
+            warnings.vertebra(WarningCode::PediclesOnOneSide, film.posture, level, text);
+        }
+        found.push(rotation);
     }
     Ok(found)
+}
+
+/// Refuses pedicles far above or below their body, and names the marked vertebra that they fit.
+fn check_height(
+    image: &ImageGeometry,
+    reading: &Reading<VertebraLandmarks>,
+    level: Level,
+    pedicles: [Pixel; 2],
+) -> Result<(), PedicleFault> {
+    let pedicles = pedicles.map(|place| image.frontal(place));
+    let height = |landmark: &VertebraLandmarks| {
+        let body: Corners<Frontal> = landmark.corners.map(|corner| image.frontal(corner));
+        height_over(&body, pedicles)
+    };
+    if reading.vertebrae.get(&level).is_none_or(|own| own_heights(level).contains(&height(own))) {
+        return Ok(());
+    }
+    let others = reading.vertebrae.iter().filter(|(other, _)| **other != level);
+    let heights = others.map(|(&other, landmark)| (other, height(landmark)));
+    let fitting = heights.filter(|(other, height)| own_heights(*other).contains(height));
+    let fits = fitting.min_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())).map(|(other, _)| other);
+    Err(PedicleFault::OtherLevel { fits })
 }

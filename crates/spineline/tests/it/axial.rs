@@ -1,7 +1,7 @@
 //! Axial rotation from pedicles, on films of phantoms whose prisms are turned by a known angle, and whose pedicles stand where another table
 //! than the reader's puts them.
 
-use spineline::analysis::{Analysis, AnalysisOptions, analyze, analyze_movement};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze, analyze_movement};
 use spineline::anatomy::{Level, PediclePlace, Posture};
 use spineline::error::Error;
 use spineline::measure::{AxialRotation, MeasureError, MeasureFault, NashMoe, PedicleFault};
@@ -11,7 +11,7 @@ use spineline_phantom::{
     EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, generate_in_space,
 };
 
-use crate::common::{assert_near, landmarks_mut, read_axial};
+use crate::common::{assert_near, landmarks_mut, read_axial, warned};
 
 fn movement(phantom: &SpacePhantom) -> Analysis {
     analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("a good case")
@@ -204,4 +204,62 @@ fn wrong_pedicles_are_refused_by_name() {
     assert_eq!(refused(&|places| moved(places, 1e6)), PedicleFault::OffImage);
     assert_eq!(refused(&|places| moved(places, f64::NAN)), PedicleFault::OffImage);
     assert_eq!(refused(&|places| moved(places, -800.0)), PedicleFault::FarFromBody);
+    let lowered = |places: &mut [Option<Pixel>; 2]| {
+        places.iter_mut().flatten().for_each(|place| place.row_px += 800.0);
+    };
+    let far = refused(&lowered);
+    assert!(matches!(far, PedicleFault::OtherLevel { .. }), "{far}");
+}
+
+#[test]
+fn pedicles_of_the_next_vertebra_are_refused_by_its_name() {
+    let setup = SpaceSetup { pedicles: true, ..SpaceSetup::default() };
+    let good = generate_in_space(&setup).case;
+    for step in [1, -1] {
+        let mut case = good.clone();
+        for (i, level) in Level::ALL.into_iter().enumerate() {
+            let other = i.checked_add_signed(step).and_then(|i| Level::ALL.get(i));
+            let other = other
+                .map(|&other| landmarks_mut(&mut good.clone(), Posture::Erect, other).pedicles);
+            landmarks_mut(&mut case, Posture::Erect, level).pedicles = other.unwrap_or_default();
+        }
+        let error = analyze_movement(&case, &AnalysisOptions::default()).expect_err("refused");
+        let Error::Measure(MeasureError { fault: MeasureFault::Pedicles { fault }, at }) = &error
+        else {
+            panic!("{error}")
+        };
+        let own = at.level.and_then(|level| Level::ALL.iter().position(|one| *one == level));
+        let next = own.and_then(|i| i.checked_add_signed(step)).map(|i| Level::ALL[i]);
+        assert_eq!(*fault, PedicleFault::OtherLevel { fits: next }, "{error}");
+    }
+}
+
+#[test]
+fn pedicles_on_one_half_of_a_body_are_doubted() {
+    let setup = SpaceSetup {
+        apical_rotation: Angle::from_deg(30.0),
+        pedicles: true,
+        ..SpaceSetup::default()
+    };
+    let mut case = generate_in_space(&setup).case;
+    let analysis =
+        |case: &Case| analyze_movement(case, &AnalysisOptions::default()).expect("a good case");
+    assert!(!analysis(&case).warnings.has(WarningCode::PediclesOnOneSide));
+    let landmark = landmarks_mut(&mut case, Posture::Erect, Level::T8);
+    let [left, right] = [landmark.corners.superior_left, landmark.corners.superior_right];
+    let [below_left, below_right] =
+        [landmark.corners.inferior_left, landmark.corners.inferior_right];
+    // Places on the middle line of the body: 0 is its right wall.
+    let at = |share: f64| {
+        let between =
+            |a: f64, b: f64, c: f64, d: f64| 0.5 * ((a + c) * share + (b + d) * (1.0 - share));
+        Pixel::new(
+            between(left.column_px, right.column_px, below_left.column_px, below_right.column_px),
+            between(left.row_px, right.row_px, below_left.row_px, below_right.row_px),
+        )
+    };
+    landmark.pedicles = [Some(at(0.9)), Some(at(0.6))];
+    let doubted = analysis(&case);
+    let text = &warned(&doubted, WarningCode::PediclesOnOneSide, Some(Posture::Erect)).message;
+    assert!(text.contains("left half") && text.contains("to the right"), "{text}");
 }
