@@ -1,7 +1,9 @@
 use crate::anatomy::{Level, Levels, Region, named};
 use crate::clinical::Regions;
 use crate::fault::{ErrorPlace, faults};
-use crate::spatial::{Mat3, Vec3};
+use crate::measure::median;
+use crate::number::significant;
+use crate::spatial::{Angle, Mat3, Vec3};
 
 /// The springs of one joint.
 ///
@@ -56,7 +58,7 @@ pub struct StiffnessLibrary {
     rows: Vec<JointStiffness>,
 }
 
-const HELP: &str = "give every joint from L4/L3 to T3/T2 one row with three positive values in N·mm/rad, and a coupling between -2 and 2";
+const HELP: &str = "give every joint from L4/L3 to T3/T2 one row with three positive values in N·m/rad, and a coupling between -2 and 2";
 
 faults! {
     /// A stiffness table that cannot be used.
@@ -80,15 +82,41 @@ faults! {
             superior: Level,
         },
         /// A stiffness that is not positive and finite.
-        #[error("joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad, and must be positive and finite")]
+        #[error("joint {inferior}/{superior}: {axis} stiffness is {} N·m/rad, and must be positive and finite", significant(*nm_per_rad, 6))]
         #[code("stiffness")]
         #[help(HELP)]
-        #[at(level = *superior, value = *value, limit = 0.0)]
+        #[at(level = *superior, value = *nm_per_rad, limit = 0.0)]
         Value {
             inferior: Level,
             superior: Level,
             axis: &'static str,
-            value: f64,
+            /// What was given.
+            nm_per_rad: f64,
+        },
+        /// Lateral stiffness that is too small or too large as a whole.
+        #[error("the median lateral stiffness of the joints is {} times the usual {USUAL_NM_PER_RAD} N·m/rad, and must be {LEAST_RATIO} to {MOST_RATIO} times{}", significant(*ratio, 3), match unit_of(*ratio) {
+            Some(unit) => format!("; the values look like {unit}, not N·m/rad"),
+            None => String::new(),
+        })]
+        #[code("stiffness")]
+        #[help(HELP)]
+        #[at(value = *ratio, limit = if *ratio < LEAST_RATIO { LEAST_RATIO } else { MOST_RATIO })]
+        Unit {
+            /// Median over the usual one.
+            ratio: f64,
+        },
+        /// Lateral stiffness that no joint has.
+        #[error("joint {inferior}/{superior}: lateral stiffness is {} N·m/rad, and must be {LEAST_NM_PER_RAD} to {MOST_NM_PER_RAD}", significant(*nm_per_rad, 6))]
+        #[code("stiffness")]
+        #[help(HELP)]
+        #[at(level = *superior, value = *nm_per_rad, limit = if *nm_per_rad < LEAST_NM_PER_RAD { LEAST_NM_PER_RAD } else { MOST_NM_PER_RAD })]
+        Lateral {
+            /// Lower vertebra.
+            inferior: Level,
+            /// Upper vertebra.
+            superior: Level,
+            /// What was given.
+            nm_per_rad: f64,
         },
         /// A coupling that no joint has.
         #[error("joint {inferior}/{superior}: the axial rotation per lateral rotation is {value}, and must lie between -{MAX_COUPLING} and {MAX_COUPLING}; give 0 for a joint without coupling")]
@@ -106,18 +134,62 @@ faults! {
 /// Measured joints turn axially by less than they bend; twice that is an error of input (assumption).
 const MAX_COUPLING: f64 = 2.0;
 
+/// Lateral stiffness of a joint: published tables have 78 to 318 N·m/rad (`StiffnessTable`); a fused joint is stiffer
+/// and a destroyed one softer (assumption). Flexion and axial rotation may be locked by any stiffness.
+const LEAST_NM_PER_RAD: f64 = 1.0;
+const MOST_NM_PER_RAD: f64 = 10_000.0;
+
+/// Lateral stiffness of a motion segment: 132 to 148 N·m/rad in `StiffnessTable::MotionSegments`.
+const USUAL_NM_PER_RAD: f64 = 140.0;
+/// Median of lateral stiffness over the usual one: published tables have 0.7 to 2.3, and every other unit is beyond these limits.
+const LEAST_RATIO: f64 = 0.1;
+const MOST_RATIO: f64 = 10.0;
+
+/// The unit in which lateral stiffness would be near the usual one.
+fn unit_of(ratio: f64) -> Option<&'static str> {
+    // Published tables differ by less than this.
+    const NEAR: f64 = 3.0;
+    let degree = Angle::from_deg(1.0).rad();
+    let units = [
+        ("N·mm/rad", 1000.0),
+        ("N·mm per degree", 1000.0 * degree),
+        ("N·m per degree", degree),
+        ("kN·m/rad", 0.001),
+    ];
+    let is_near = |factor: f64| (ratio / factor).ln().abs() < NEAR.ln();
+    units.into_iter().find(|(_, factor)| is_near(*factor)).map(|(unit, _)| unit)
+}
+
+/// Refuses lateral stiffness in another unit than N·mm/rad, or of a size that no joint has.
+fn check_sizes(rows: &[JointStiffness]) -> Result<(), StiffnessError> {
+    let lateral = rows.iter().map(|row| row.nmm_per_rad[0] / 1000.0).collect();
+    let ratio = median(lateral) / USUAL_NM_PER_RAD;
+    if !(LEAST_RATIO..=MOST_RATIO).contains(&ratio) {
+        return Err(StiffnessError::Unit { ratio });
+    }
+    for row in rows {
+        let (inferior, superior) = (row.inferior, row.superior);
+        let nm_per_rad = row.nmm_per_rad[0] / 1000.0;
+        if !(LEAST_NM_PER_RAD..=MOST_NM_PER_RAD).contains(&nm_per_rad) {
+            return Err(StiffnessError::Lateral { inferior, superior, nm_per_rad });
+        }
+    }
+    Ok(())
+}
+
 impl StiffnessLibrary {
     /// A library from rows in any order.
     ///
     /// # Errors
-    /// [`StiffnessError`] where a joint of the model is missing, doubled or not positive.
+    /// [`StiffnessError`] where a joint of the model is missing, doubled or not positive, or lateral stiffness has another unit.
     pub fn from_rows(mut given: Vec<JointStiffness>) -> Result<Self, StiffnessError> {
         for row in &given {
             let (inferior, superior) = (row.inferior, row.superior);
             for (axis, &value) in ["lateral", "flexion", "axial"].into_iter().zip(&row.nmm_per_rad)
             {
                 if !(value > 0.0 && value.is_finite()) {
-                    return Err(StiffnessError::Value { inferior, superior, axis, value });
+                    let nm_per_rad = value / 1000.0;
+                    return Err(StiffnessError::Value { inferior, superior, axis, nm_per_rad });
                 }
             }
             let value = row.axial_per_lateral;
@@ -143,7 +215,8 @@ impl StiffnessLibrary {
                     .cloned()
                     .ok_or(StiffnessError::Missing { inferior: pair[0], superior: pair[1] })
             })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<Vec<_>, _>>()?;
+        check_sizes(&rows)?;
         Ok(Self { rows })
     }
 

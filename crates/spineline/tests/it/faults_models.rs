@@ -7,7 +7,7 @@ use spineline::error::Error;
 use spineline::evaluate::{FilmUnderLine, ForceChoice, Target, simulate};
 use spineline::multibody::{
     FittedSprings, ForceSign, JointGroups, JointStiffness, Load, PathEnding, Residual, Statics,
-    StiffnessError, StiffnessLibrary, Support, amplitude_matches, match_amplitude,
+    StiffnessError, StiffnessLibrary, StiffnessTable, Support, amplitude_matches, match_amplitude,
 };
 use spineline::personalize::{FitSettings, FitStatus, personalize};
 use spineline::spatial::{Angle, Frontal};
@@ -81,10 +81,52 @@ fn a_stiffness_that_is_not_positive_is_named_with_axis_and_value() {
         for value in [-132.0, 0.0, f64::NAN, f64::INFINITY] {
             let mut rows = rows();
             rows[0].nmm_per_rad[axis] = value;
-            let error = refused(rows, &["L4", "L3", name, &value.to_string()]);
+            let nm_per_rad = (value / 1000.0).to_string();
+            let error = refused(rows, &["L4", "L3", name, "N·m/rad", &nm_per_rad]);
             assert!(matches!(error, StiffnessError::Value { inferior: Level::L4, .. }));
         }
     }
+}
+
+#[test]
+fn stiffness_in_another_unit_is_refused_with_the_unit() {
+    // Oracle: 1 N·m is 1000 N·mm, and 1 rad is 57.3°.
+    for table in StiffnessTable::ALL {
+        let scaled = |factor: f64| -> Vec<JointStiffness> {
+            let rows = table.library().rows().to_vec();
+            let scaled = |row: JointStiffness| JointStiffness {
+                nmm_per_rad: row.nmm_per_rad.map(|value| factor * value),
+                ..row
+            };
+            rows.into_iter().map(scaled).collect()
+        };
+        for (factor, unit) in [
+            (1000.0, "like N·mm/rad,"),
+            (1000.0 / 57.3, "N·mm per degree"),
+            (1.0 / 57.3, "N·m per degree"),
+            (0.001, "kN·m/rad"),
+        ] {
+            let error = refused(scaled(factor), &[unit]);
+            assert!(matches!(error, StiffnessError::Unit { .. }), "{error}");
+        }
+        for factor in [0.3, 0.5, 2.0, 3.0] {
+            assert!(StiffnessLibrary::from_rows(scaled(factor)).is_ok(), "{factor}");
+        }
+    }
+}
+
+#[test]
+fn one_joint_far_beyond_all_joints_is_named() {
+    for nm_per_rad in [0.9, 11_000.0] {
+        let mut rows = rows();
+        rows[0].nmm_per_rad[0] = 1000.0 * nm_per_rad;
+        let error = refused(rows, &["L4", "L3", "lateral", &nm_per_rad.to_string()]);
+        assert!(matches!(error, StiffnessError::Lateral { inferior: Level::L4, .. }));
+    }
+    // Springs that lock flexion and axial rotation.
+    let mut rows = rows();
+    rows.iter_mut().for_each(|row| row.nmm_per_rad[1] *= 1e4);
+    assert!(StiffnessLibrary::from_rows(rows).is_ok());
 }
 
 #[test]
