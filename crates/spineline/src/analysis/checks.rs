@@ -2,7 +2,7 @@
 
 use super::wrong_film::tilt_margin;
 use crate::anatomy::{FilmView, Levels, Posture};
-use crate::clinical::ClinicalCurve;
+use crate::clinical::{ClinicalCurve, CobbEnds};
 use crate::error::CaseError;
 use crate::measure::{
     Film, FilmLength, LateralFilm, Outline, SpacingPlane, body_widths, same_landmarks,
@@ -175,6 +175,39 @@ pub(super) fn warn_of_unmarked_ends(
             warnings.vertebra(WarningCode::EndVertebraNotMarked, Posture::Erect, level, text);
         }
     }
+}
+
+/// Notes end vertebrae that were given. Whether every pair encloses the apex of its curve; regions that are not curves have no apex.
+pub(super) fn note_given_ends(
+    given: &[Option<CobbEnds>; 3],
+    curves: &[ClinicalCurve],
+    are_curves: bool,
+    warnings: &mut Warnings,
+) -> bool {
+    let mut all_fit = true;
+    for (curve, ends) in curves.iter().zip(given) {
+        let Some(ends) = ends else { continue };
+        let pair = |ends: &CobbEnds| format!("{}/{}", ends.inferior, ends.superior);
+        let (own, region, apex) = (pair(ends), curve.region, curve.apex);
+        if curve.ends != *ends {
+            let used = pair(&curve.ends);
+            let text = format!(
+                "the erect film does not show both end vertebrae {own} that were given for the {region} curve, so {used} are used"
+            );
+            warnings.push(WarningCode::EndVertebraeUnusual, text);
+            continue;
+        }
+        let text = format!("the end vertebrae {own} of the {region} curve were given");
+        warnings.push(WarningCode::EndVertebraeByHand, text);
+        if are_curves && !(ends.inferior..=ends.superior).contains(&apex) {
+            all_fit = false;
+            let text = format!(
+                "the end vertebrae {own} that were given for the {region} curve lie on one side of its apex {apex}, so they do not measure this curve, and Lenke's type is left out: give one vertebra below and one above {apex}"
+            );
+            warnings.push(WarningCode::EndVertebraeUnusual, text);
+        }
+    }
+    all_fit
 }
 
 /// Apical rotation for every degree of a curve's size: 22° in curves of about 60° before surgery (assumption).

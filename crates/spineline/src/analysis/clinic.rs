@@ -1,7 +1,7 @@
 //! What clinicians read off the films, between the vertebrae that each film shows: the model may have fewer.
 
 use super::AnalysisOptions;
-use super::checks::warn_of_unmarked_ends;
+use super::checks::{note_given_ends, warn_of_unmarked_ends};
 use super::inflections::inflections_of;
 use crate::clinical::{
     Balance, ClinicalCurve, EndChoice, LenkeType, Regions, lenke_type, measure_balance,
@@ -45,13 +45,15 @@ impl Clinic {
         if options.ends == EndChoice::default() {
             warn_of_unmarked_ends(&curves, erect, warnings);
         }
-        let picked = options.ends.given.iter().any(Option::is_some);
+        let given = &options.ends.given;
+        let ends_fit = note_given_ends(given, &curves, regions.are_curves, warnings);
+        let picked = given.iter().any(Option::is_some);
         let is_whole = !regions.are_curves && !picked;
         Ok(Self {
             whole_curve: is_whole.then(|| measure_largest_curve(&all, options.ends.rule)).flatten(),
             balance: measure_balance(erect, &regions, &curves),
             // Regions that end at usual vertebrae are not curves, so they give no type.
-            lenke: regions.are_curves.then(|| lenke_type(&curves)).flatten(),
+            lenke: (regions.are_curves && ends_fit).then(|| lenke_type(&curves)).flatten(),
             curves,
         })
     }

@@ -173,6 +173,10 @@ warning_codes! {
     Clinical {
         /// A vertebra beside the end vertebra of a curve is not marked, and the angle of the curve may be too small.
         EndVertebraNotMarked = "end_vertebra_not_marked": Warning;
+        /// The end vertebrae of a curve were given.
+        EndVertebraeByHand = "end_vertebrae_by_hand": Note;
+        /// The given end vertebrae of a curve lie on one side of its apex, or the erect film does not show both.
+        EndVertebraeUnusual = "end_vertebrae_unusual": Warning;
         /// The erect curve or the model file does not give three regions, and the usual limits of regions are used.
         UsualRegions = "usual_regions": Note;
     }

@@ -2,6 +2,7 @@
 
 use crate::common::{
     analyzed, exact_case, film_mut, landmarks, landmarks_mut, on_a_table, other_side, phantom,
+    warned,
 };
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::{Level, Posture, Region, Side};
@@ -10,6 +11,7 @@ use spineline::measure::{
     FilmLandmarks, ImageGeometry, Placement, Reading, SpacingPlane, TiltRule, VertebraLandmarks,
 };
 use spineline::spatial::Angle;
+use spineline::warning::WarningCode;
 use spineline_phantom::{Readers, Scenario, exchange_sides};
 
 /// Corners are pixels of doubles.
@@ -181,6 +183,34 @@ fn end_vertebrae_are_kept_chosen_anew_or_given() {
     let found =
         given.movement.clinical[index].cobb_in(Posture::LeftBending).expect("corners").deg();
     assert!((found - expected).abs() < ROUNDING_DEG);
+}
+
+#[test]
+fn given_end_vertebrae_are_noted_and_a_pair_beside_the_curve_gives_no_lenke_type() {
+    let case = phantom(0, Scenario::Bend, &Readers::exact()).case;
+    let index = Region::MainThoracic.index();
+    let with = |ends| {
+        let mut choice = EndChoice::default();
+        choice.given[index] = ends;
+        analyzed(&case, &AnalysisOptions { ends: choice, ..on_a_table() })
+    };
+    let found = with(None);
+    assert!(!found.warnings.has(WarningCode::EndVertebraeByHand));
+    let same = with(Some(found.movement.clinical[index].ends));
+    assert!(same.warnings.has(WarningCode::EndVertebraeByHand));
+    assert!(!same.warnings.has(WarningCode::EndVertebraeUnusual));
+    assert_eq!(same.movement.lenke, found.movement.lenke);
+    let beside = with(Some(CobbEnds { inferior: Level::L4, superior: Level::L3 }));
+    assert!(beside.warnings.has(WarningCode::EndVertebraeByHand));
+    let text = &warned(&beside, WarningCode::EndVertebraeUnusual, None).message;
+    let apex = found.movement.clinical[index].apex.name();
+    assert!(text.contains("L4/L3") && text.contains("main thoracic") && text.contains(apex));
+    assert_eq!(beside.movement.lenke, None);
+    // T1 is marked on no phantom of the paper.
+    let unseen = with(Some(CobbEnds { inferior: Level::T12, superior: Level::T1 }));
+    assert_eq!(unseen.movement.clinical[index].ends, found.movement.clinical[index].ends);
+    let text = &warned(&unseen, WarningCode::EndVertebraeUnusual, None).message;
+    assert!(text.contains("T12/T1"), "{text}");
 }
 
 #[test]
