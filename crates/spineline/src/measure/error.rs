@@ -327,6 +327,14 @@ faults! {
             /// Vertebrae marked.
             count: usize,
         },
+        /// The levels run down the picture of a film, while every body stands upright in it.
+        #[error("in all {count} vertebrae the superior corners lie above the inferior ones, but the levels run down the picture, so the names of the vertebrae are in reverse order")]
+        #[code("levels_reversed")]
+        #[help("name the vertebrae from below: L5 or L4 is the lowest one; keep the corners and the side of the patient")]
+        LevelsReversed {
+            /// Vertebrae marked.
+            count: usize,
+        },
         /// The four corners are given in another order in every vertebra of a film.
         #[error("in all {count} vertebrae {}", order.words(view.corners()))]
         #[code("corner_order")]

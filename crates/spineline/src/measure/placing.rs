@@ -186,14 +186,27 @@ impl Body<'_> {
     }
 }
 
-/// The error of corners in another order, where they are in all bodies of a reading.
+/// The error of names in reverse order, or of corners in another order, where it is in all bodies of a reading.
 pub(super) fn in_all(
     view: FilmView,
     id: &ReadingId,
     bodies: &[Corners<Frontal>],
 ) -> Option<MeasureError> {
-    let fault = |order| MeasureFault::CornerOrder { view, count: bodies.len(), order };
-    CornerOrder::of(bodies).map(|order| fault(order).at(FilmPlace::reading(view, id)))
+    let (place, count) = (FilmPlace::reading(view, id), bodies.len());
+    if are_named_downwards(bodies) {
+        return Some(MeasureFault::LevelsReversed { count }.at(place));
+    }
+    let fault = |order| MeasureFault::CornerOrder { view, count, order };
+    CornerOrder::of(bodies).map(|order| fault(order).at(place))
+}
+
+/// Whether bodies, caudal first by their names, run down the picture, while each of them stands upright in it with its sides in place.
+pub(super) fn are_named_downwards(bodies: &[Corners<Frontal>]) -> bool {
+    let upright = Frontal::new(0.0, 1.0);
+    let stands = |body: &Corners<Frontal>| {
+        body.measure_location().is_ok() && body.points_along(upright) && body.sides_agree()
+    };
+    runs_down(cranial_of(bodies.iter().map(Corners::centre))) && bodies.iter().all(stands)
 }
 
 /// Where cranial is on a film, which may be held in any pose: the sum of the steps between the midpoints of the bodies, caudal first,

@@ -357,6 +357,23 @@ fn a_film_whose_side_is_wrong_is_mirrored() {
 }
 
 #[test]
+fn names_in_reverse_order_do_not_blame_the_corners_or_the_side() {
+    // Oracle: the bodies stay where they are, upright and with their sides; only the names are exchanged.
+    for posture in Posture::ALL {
+        let mut case = exact_case(0);
+        let (_, _, readings) = landmarks(film_mut(&mut case, posture));
+        let count = readings[0].vertebrae.len();
+        for reading in readings.iter_mut() {
+            let levels: Vec<Level> = reading.vertebrae.keys().copied().collect();
+            let bodies: Vec<_> = reading.vertebrae.values().rev().copied().collect();
+            reading.vertebrae = levels.into_iter().zip(bodies).collect();
+        }
+        let error = refused_in_measure(&case, &[&posture.to_string(), "15", "reverse order"]);
+        assert_eq!(error.fault, MeasureFault::LevelsReversed { count });
+    }
+}
+
+#[test]
 fn rows_that_count_from_the_bottom_do_not_blame_the_side() {
     // Oracle: such rows turn the picture over, so the spine runs down it and its sides are exchanged.
     for posture in Posture::ALL {

@@ -232,6 +232,11 @@ fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
     assert_eq!(error.fault, MeasureFault::RowsFromBottom { count: 15 });
     // One exchanged vertebra is named by itself.
     let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
+    let mut reversed = film.clone();
+    let named = &mut reversed.readings[0].vertebrae;
+    *named = named.keys().copied().zip(named.values().rev().copied().collect::<Vec<_>>()).collect();
+    let error = reversed.measure(&mut Warnings::default()).expect_err("reversed names");
+    assert_eq!(error.fault, MeasureFault::LevelsReversed { count: 15 });
     let t7 = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
     *t7 = sides_exchanged(t7);
     let error = film.measure(&mut Warnings::default()).expect_err("front and back");

@@ -12,7 +12,7 @@ use super::corner_order::{MIRRORED, PLACES};
 use super::film_checks::{check_observers, check_pixels};
 use super::lengths::FilmSizes;
 use super::order::{LevelStep, MIN_SPACING_SHARE};
-use super::placing::{cranial_of, in_all, runs_down};
+use super::placing::{are_named_downwards, cranial_of, in_all, runs_down};
 use super::plausibility::warn_of_corners;
 use super::{
     CornerFault, Corners, Film, FilmPlace, ImageGeometry, MeasureError, MeasureFault, Placement,
@@ -53,11 +53,13 @@ impl LateralFilm {
             self.readings.iter().map(|one| ReadBodies::of(one, body)).collect();
         for ReadBodies { id, bodies } in &bodies {
             check_side(id, bodies)?;
+            let all: Vec<_> = bodies.iter().map(|(_, body)| *body).collect();
+            let of_all = || in_all(FilmView::Lateral, id, &all);
+            if are_named_downwards(&all) {
+                of_all().map_or(Ok(()), Err)?;
+            }
             for (level, body) in bodies {
-                check_body(id, *level, body).map_err(|error| {
-                    let all: Vec<_> = bodies.iter().map(|(_, body)| *body).collect();
-                    in_all(FilmView::Lateral, id, &all).unwrap_or(error)
-                })?;
+                check_body(id, *level, body).map_err(|error| of_all().unwrap_or(error))?;
             }
         }
         check_order(&bodies)?;
