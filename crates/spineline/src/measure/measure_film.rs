@@ -24,6 +24,9 @@ use crate::warning::{WarningCode, Warnings};
 /// between them bend by less (assumption).
 const MAX_ILIAC_ANGLE: Angle = Angle::from_deg(40.0);
 
+/// Depth of the middle of the crests below L4, beyond which they are doubted: their line usually crosses L4 or the disc below it (assumption).
+const MAX_ILIAC_DEPTH_MM: f64 = 150.0;
+
 /// Measures one film: every reading, their mean, and the global frame.
 ///
 /// Locations are in mm in the global frame `G`: origin at L4's midpoint, +Z cranial along L4's axis, +Y to the patient's
@@ -71,7 +74,7 @@ pub(crate) fn outline_of(
     let posture = film.posture;
     warn_of_unusable_ends(film, warnings);
     let program = program_corners(film, warnings);
-    let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
+    let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle, iliac_tips } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
     let (base, _) = *on_film
@@ -92,27 +95,19 @@ pub(crate) fn outline_of(
     let vertebrae = vertebrae_of(posture, levels, &in_global, &noise)?;
     warn_of_interpolated(posture, &vertebrae, &scale, warnings);
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
-    if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > MAX_ILIAC_ANGLE) {
-        let why = if normal.abs() > Angle::from_deg(90.0) {
-            "the left and right crests may be exchanged"
-        } else {
-            "check the tips of both crests"
-        };
-        let text = format!(
-            "the angle between the iliac line and {} is {} (limit {}): {why}",
-            levels.base(),
-            normal.abs().text(0),
-            MAX_ILIAC_ANGLE.text(0)
-        );
-        warnings.film(WarningCode::IliacLineUnusual, posture, text);
-    }
+    let to_global = |place: Frontal| (place - base.location).rotated(-base.tilt);
+    let of_angle = iliac_normal.and_then(|normal| doubt_of_iliac_angle(levels.base(), normal));
+    let of_place =
+        iliac_tips.and_then(|tips| doubt_of_crests(tips.map(to_global), &vertebrae, &scale));
+    let doubts = of_angle.into_iter().chain(of_place);
+    doubts.for_each(|text| warnings.film(WarningCode::IliacLineUnusual, posture, text));
     warn_of_gaps(posture, &vertebrae, placed.len(), warnings);
     Ok(Outline {
         posture,
         others: in_global.into_values().filter(|v| levels.index_of(v.level).is_none()).collect(),
         vertebrae,
         iliac_normal,
-        iliac_middle: iliac_middle.map(|middle| (middle - base.location).rotated(-base.tilt)),
+        iliac_middle: iliac_middle.map(to_global),
         vertical: matches!(film.landmarks, FilmLandmarks::Corners { .. }).then(|| -base.tilt),
         l4_on_film: base.tilt,
         l4_midpoint_on_film: base.location,
@@ -123,6 +118,44 @@ pub(crate) fn outline_of(
         length: FilmLength::ERECT,
         readings: placed.len(),
     })
+}
+
+/// Why the direction of the iliac line is doubted.
+fn doubt_of_iliac_angle(base: Level, normal: Angle) -> Option<String> {
+    let why = if normal.abs() > Angle::from_deg(90.0) {
+        "the left and right crests may be exchanged"
+    } else {
+        "check the tips of both crests"
+    };
+    let text = || {
+        let (angle, limit) = (normal.abs().text(0), MAX_ILIAC_ANGLE.text(0));
+        format!("the angle between the iliac line and {base} is {angle} (limit {limit}): {why}")
+    };
+    (normal.abs() > MAX_ILIAC_ANGLE).then(text)
+}
+
+/// Why the places of the two tips of the crests are doubted; in the global frame, in which the base, the first vertebra, is the origin.
+fn doubt_of_crests(
+    tips: [Frontal; 2],
+    vertebrae: &[MeasuredVertebra],
+    scale: &LengthScale,
+) -> Option<String> {
+    let [left, right] = tips;
+    let base = vertebrae.first()?.level;
+    let l2_mm = vertebrae.iter().find(|vertebra| vertebra.level == Level::L2)?.location.z_mm;
+    let middle_mm = 0.5 * (left.z_mm + right.z_mm);
+    let below_l4_mm = -middle_mm - Morphometry::spacing_mm(Level::L4, base);
+    let found = if middle_mm > l2_mm {
+        "the middle of the iliac crests lies above L2".to_owned()
+    } else if below_l4_mm > MAX_ILIAC_DEPTH_MM {
+        let (depth, limit) = (scale.text(below_l4_mm, 0), scale.text(MAX_ILIAC_DEPTH_MM, 0));
+        format!("the middle of the iliac crests lies {depth} below L4 (limit {limit})")
+    } else if left.y_mm * right.y_mm > 0.0 {
+        format!("both iliac crests lie on one side of {base}")
+    } else {
+        return None;
+    };
+    Some(format!("{found}: check the tips of both crests"))
 }
 
 /// A vertebra in the global frame: the base's (L4's) midpoint is the origin, and its own axis is +Z.
@@ -171,6 +204,8 @@ struct PlacedFilm {
     scale: LengthScale,
     iliac_normal: Option<Angle>,
     iliac_middle: Option<Frontal>,
+    /// The left and the right tip.
+    iliac_tips: Option<[Frontal; 2]>,
 }
 
 /// Checks all landmarks of a film, of whichever vertebrae: what [`measure_film`] refuses before it asks whether all are there.
@@ -196,7 +231,13 @@ fn place_film(
             check_scale_sd(posture, *scale_relative_sd)?;
             check_lengths(film)?;
             let scale = LengthScale::stated(*spacing_plane, *scale_relative_sd);
-            return Ok(PlacedFilm { readings, scale, iliac_normal: None, iliac_middle: None });
+            return Ok(PlacedFilm {
+                readings,
+                scale,
+                iliac_normal: None,
+                iliac_middle: None,
+                iliac_tips: None,
+            });
         }
     };
     let (readings, scale) = match image.scale() {
@@ -215,7 +256,9 @@ fn place_film(
     let iliac_normal = iliac_crests.map(|crests| iliac_normal(image, crests));
     let per_mm = 1.0 / scale.units_per_mm;
     let iliac_middle = iliac_crests.map(|crests| crests.middle(image) * per_mm);
-    Ok(PlacedFilm { readings, scale, iliac_normal, iliac_middle })
+    let iliac_tips = iliac_crests
+        .map(|crests| [crests.left, crests.right].map(|tip| image.frontal(tip) * per_mm));
+    Ok(PlacedFilm { readings, scale, iliac_normal, iliac_middle, iliac_tips })
 }
 
 /// Readings in pixels, as if this spine had the typical length: no angle of this film depends on it. Rotations from another film do, so

@@ -107,7 +107,7 @@ warning_codes! {
         IdentifierRepeated = "identifier_repeated": Warning, OfPicture;
         /// The iliac crests of a film are not marked, and a line perpendicular to the base replaces the iliac line.
         IliacCrestsMissing = "iliac_crests_missing": Note;
-        /// The iliac line is far from perpendicular to the base, as where the crests are exchanged.
+        /// The iliac line is far from perpendicular to the base, as where the crests are exchanged, or the crests lie where no pelvis is.
         IliacLineUnusual = "iliac_line_unusual": Warning;
         /// A program found the landmarks of a reading and states its confidence.
         LandmarksByProgram = "landmarks_by_program": Note;

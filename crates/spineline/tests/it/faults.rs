@@ -209,6 +209,38 @@ fn iliac_crests_off_the_picture_or_coincident_are_refused_and_swapped_ones_repor
 }
 
 #[test]
+fn iliac_crests_where_no_pelvis_is_are_doubted() {
+    // Oracle: on phantoms both crests lie beside L4, 0.1 mm a pixel; L2 is 7 cm higher, T2 about 35 cm.
+    let doubt = |change: fn(&mut IliacCrests)| {
+        let mut case = exact_case(0);
+        let (image, crests, _) = landmarks(film_mut(&mut case, Posture::Erect));
+        image.rows += 3000;
+        change(crests.as_mut().expect("phantoms have crests"));
+        let analysis = analyzed(&case, &on_a_table());
+        let mut all = analysis.warnings.all().iter();
+        let found = all.find(|one| one.code == WarningCode::IliacLineUnusual);
+        found.map(|one| one.message.clone()).unwrap_or_default()
+    };
+    assert_eq!(doubt(|_| ()), "");
+    assert_eq!(doubt(|crests| crests.left.row_px += 300.0), "", "an oblique pelvis");
+    let above = doubt(|crests| {
+        crests.left.row_px -= 3000.0;
+        crests.right.row_px -= 3000.0;
+    });
+    assert!(above.contains("above L2"), "{above}");
+    let below = doubt(|crests| {
+        crests.left.row_px += 2000.0;
+        crests.right.row_px += 2000.0;
+    });
+    assert!(below.contains("below L4 (limit 150 mm)"), "{below}");
+    let beside = doubt(|crests| {
+        let middle = 0.5 * (crests.left.column_px + crests.right.column_px);
+        crests.right.column_px += 1.4 * (middle - crests.right.column_px);
+    });
+    assert!(beside.contains("on one side of L4"), "{beside}");
+}
+
+#[test]
 fn a_film_upside_down_is_measured_like_any_other() {
     // Oracle: the same film turned by half a turn; angles near 180° must not average to 0°.
     let case = exact_case(0);
