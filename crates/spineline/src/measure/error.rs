@@ -152,6 +152,11 @@ faults! {
         #[code("tilts_in_radians")]
         #[help("give tilts in degrees (`tilt_deg`)")]
         TiltsInRadians,
+        /// Equal tilts beside locations that turn.
+        #[error("the tilts of all vertebrae are equal while the curve of the locations turns, so they were filled in and not measured")]
+        #[code("tilts_equal")]
+        #[help("give the measured tilt of every vertebra in degrees (`tilt_deg`)")]
+        TiltsEqual,
         /// Tilts to the other side than the curve of their locations.
         #[error("the tilts go to the other side than the curve of the locations, so one of both has the wrong sign")]
         #[code("tilts_reversed")]

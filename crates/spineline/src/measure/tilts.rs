@@ -50,13 +50,34 @@ impl Following {
     }
 }
 
-/// Refuses tilts in radians, and tilts to the other side than the curve of their locations.
+/// Whether all tilts are one value, although the steps from vertebra to vertebra turn.
+fn are_equal_on_a_curve(reading: &Reading<Placement>) -> bool {
+    const MIN_EQUAL: usize = 8;
+    const SAME: Angle = Angle::from_deg(1e-6);
+    const MIN_TURN: Angle = Angle::from_deg(5.0);
+    let placed: Vec<&Placement> = reading.vertebrae.values().collect();
+    let [first, second, ..] = placed[..] else { return false };
+    let way = |from: &Placement, to: &Placement| (to.location - from.location).lateral_tilt();
+    let is_equal = |one: &&Placement| (one.tilt - first.tilt).wrapped().abs() <= SAME;
+    let turns = placed.windows(2).map(|two| (way(two[0], two[1]) - way(first, second)).wrapped());
+    let (mut least, mut most) = (Angle::ZERO, Angle::ZERO);
+    for turn in turns {
+        least = if turn < least { turn } else { least };
+        most = if turn > most { turn } else { most };
+    }
+    placed.len() >= MIN_EQUAL && placed.iter().all(is_equal) && most - least > MIN_TURN
+}
+
+/// Refuses tilts that were filled in, tilts in radians, and tilts to the other side than the curve of their locations.
 pub(super) fn check_tilts(
     posture: Posture,
     readings: &[Reading<Placement>],
 ) -> Result<(), MeasureError> {
     const PER_RADIAN: f64 = 1.0 / 57.3;
     for reading in readings {
+        if are_equal_on_a_curve(reading) {
+            return Err(MeasureFault::TiltsEqual.at(FilmPlace::reading(posture, &reading.id)));
+        }
         let Some(Following { slope, correlation }) = Following::of(reading) else { continue };
         if correlation.abs() < MIN_CORRELATION {
             continue;

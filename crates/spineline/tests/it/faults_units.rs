@@ -94,6 +94,18 @@ fn a_part_of_a_spine_is_judged_by_that_part() {
 }
 
 #[test]
+fn one_tilt_for_all_vertebrae_of_a_curve_is_refused() {
+    // Oracle: the tangent of this curve turns by 36°.
+    for tilt in [0.0, -4.5].map(Angle::from_deg) {
+        let error = error_of(&changed(waving(), |location, _| (location, tilt)));
+        assert!(matches!(error.fault, MeasureFault::TiltsEqual), "{error}");
+        let straight =
+            changed(waving(), |location, _| (Frontal::new(0.0, location.z_mm).rotated(tilt), tilt));
+        assert!(check_landmarks(&straight).is_ok(), "{tilt}");
+    }
+}
+
+#[test]
 fn tilts_in_radians_or_to_the_other_side_are_refused() {
     let radians = changed(waving(), |location, tilt| (location, Angle::from_deg(tilt.rad())));
     let error = error_of(&radians);
