@@ -1,8 +1,9 @@
 //! Tilts that were given beside locations, against the curve of those locations.
 
+use super::placing::{cranial_of, runs_down};
 use super::{FilmPlace, MeasureError, MeasureFault, Placement, Reading};
 use crate::anatomy::{Level, Posture};
-use crate::spatial::Angle;
+use crate::spatial::{Angle, Frontal};
 
 /// Vertebrae between two others from which the directions of a curve are compared with tilts.
 const MIN_VERTEBRAE: usize = 6;
@@ -87,8 +88,25 @@ pub(super) fn check_tilts(
             return Err(MeasureFault::TiltsInRadians.at(place));
         }
         if slope < -0.5 {
-            return Err(MeasureFault::TiltsReversed.at(place));
+            return Err(reversal_of(reading).at(place));
         }
     }
     Ok(())
+}
+
+/// Why tilts go to the other side than the curve of their locations. Exchanged coordinates, and a cranial one that counts downwards, mirror
+/// the locations too, and turn them against tilts that stay those of an upright spine.
+fn reversal_of(reading: &Reading<Placement>) -> MeasureFault {
+    let placed = || reading.vertebrae.values();
+    let cranial = cranial_of(placed().map(|one| one.location));
+    let up: f64 = placed().map(|one| Frontal::leaning(one.tilt).z_mm).sum();
+    // Cosine of the mean tilt, up to 45°.
+    let is_upright = up > std::f64::consts::FRAC_1_SQRT_2 * placed().count() as f64;
+    if is_upright && cranial.y_mm.abs() > cranial.z_mm.abs() {
+        MeasureFault::LocationsExchanged
+    } else if is_upright && runs_down(cranial) {
+        MeasureFault::LocationsDownwards
+    } else {
+        MeasureFault::TiltsReversed
+    }
 }

@@ -113,6 +113,19 @@ fn tilts_in_radians_or_to_the_other_side_are_refused() {
     let reversed = changed(waving(), |location, tilt| (location, -tilt));
     let error = error_of(&reversed);
     assert!(matches!(error.fault, MeasureFault::TiltsReversed), "{error}");
+    // Oracle: a film of an upright spine has its tilts in any order of the coordinates.
+    let exchanged =
+        changed(waving(), |location, tilt| (Frontal::new(location.z_mm, location.y_mm), tilt));
+    let error = error_of(&exchanged);
+    assert!(matches!(error.fault, MeasureFault::LocationsExchanged), "{error}");
+    let downwards =
+        changed(waving(), |location, tilt| (Frontal::new(location.y_mm, -location.z_mm), tilt));
+    let error = error_of(&downwards);
+    assert!(matches!(error.fault, MeasureFault::LocationsDownwards), "{error}");
+    // The wrong sign on a film that was held by another angle.
+    let turn = Angle::from_deg(90.0);
+    let held = changed(waving(), |location, tilt| (location.rotated(turn), turn - tilt));
+    assert!(matches!(error_of(&held).fault, MeasureFault::TiltsReversed));
     // A whole film held by another angle has the same spine.
     for turn in [90.0, 179.0].map(Angle::from_deg) {
         let turned =
