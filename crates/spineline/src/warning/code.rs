@@ -87,7 +87,7 @@ warning_codes! {
         BodySidesDiffer = "body_sides_differ": Warning;
         /// A reading says that some corners are completed, and lacks the landmarks to complete them from.
         CompletedWithoutLandmarks = "completed_without_landmarks": Warning;
-        /// The columns or rows of a reading are whole tens, as a spreadsheet rounds them.
+        /// The columns or rows of a reading, or its locations, are whole tens, as a spreadsheet rounds them.
         CoordinatesRounded = "coordinates_rounded": Warning;
         /// A corner is far from where the two nearest vertebrae put it.
         CornerFarFromNeighbours = "corner_far_from_neighbours": Warning;

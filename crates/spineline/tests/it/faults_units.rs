@@ -232,9 +232,9 @@ fn a_lateral_film_has_the_same_limits() {
     let lateral = |mm: f64| {
         let vertebrae =
             spineline::anatomy::Level::MODEL.into_iter().enumerate().map(|(i, level)| {
-                let row = 1100.0 - 60.0 * i as f64;
+                let row = 1101.5 - 60.0 * i as f64;
                 let at = |[column, row]: [f64; 2]| Pixel::new(column, row);
-                let places = [[200.0, row - 40.0], [260.0, row - 40.0], [200.0, row], [260.0, row]];
+                let places = [[203.0, row - 40.0], [263.0, row - 40.0], [203.0, row], [263.0, row]];
                 (level, Corners::from(places.map(at)))
             });
         let spacing = Some(Spacing::stated(mm, mm, SpacingPlane::Patient));

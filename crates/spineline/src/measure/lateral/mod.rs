@@ -14,6 +14,7 @@ use super::lengths::FilmSizes;
 use super::order::{LevelStep, MIN_SPACING_SHARE};
 use super::placing::{are_named_downwards, cranial_of, in_all, runs_down};
 use super::plausibility::warn_of_corners;
+use super::rounding::warn_of_rounded_corners;
 use super::{
     CornerFault, Corners, Film, FilmPlace, ImageGeometry, MeasureError, MeasureFault, Placement,
     Reading, ReadingId, VertebraLandmarks,
@@ -70,6 +71,9 @@ impl LateralFilm {
         }
         warn_of_corners(FilmView::Lateral, &bodies, warnings);
         warn_of_copies(FilmView::Lateral, &self.readings, warnings);
+        for Reading { id, vertebrae } in &self.readings {
+            warn_of_rounded_corners(FilmView::Lateral, id, vertebrae.values(), warnings);
+        }
         for (code, text) in sizes.doubts() {
             FilmView::Lateral.warn_of_film(code, text, warnings);
         }
