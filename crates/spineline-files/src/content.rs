@@ -16,6 +16,7 @@ use crate::digest::RunningDigest;
 
 const HASH: &[u8] = b"content_sha256";
 const CASES: &[u8] = b"\"case_ids\"";
+const FILM: &[u8] = b"\"file\"";
 /// Hexadecimal digits of a hash.
 const DIGITS: usize = 64;
 /// The place of a hash that is not filled in.
@@ -177,6 +178,16 @@ pub fn case_ids(file: &[u8]) -> BTreeSet<String> {
         ids.extend(lists.next().and_then(Result::ok).unwrap_or_default());
     }
     ids
+}
+
+/// The films that a file names: as a case, or within its analyses.
+#[must_use]
+pub fn film_names(file: &[u8]) -> BTreeSet<String> {
+    let name = |key: usize| {
+        let value = file[key + FILM.len()..].trim_ascii_start().strip_prefix(b":")?;
+        serde_json::Deserializer::from_slice(value).into_iter::<String>().next()?.ok()
+    };
+    find_iter(file, FILM).filter_map(name).collect()
 }
 
 #[cfg(test)]

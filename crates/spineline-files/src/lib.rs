@@ -53,7 +53,9 @@ pub use case_file::{
     with_geometry, written_axis_deg,
 };
 pub use cohort_file::CohortFile;
-pub use content::{Content, RunningContent, case_ids, content_words, text_with_hash, with_hash};
+pub use content::{
+    Content, RunningContent, case_ids, content_words, film_names, text_with_hash, with_hash,
+};
 pub use digest::{is_sha256, sha256_hex};
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};

@@ -61,7 +61,7 @@ pub use kind::FilmKind;
 pub use limits::FilmLimits;
 pub use lookup::{Look, Lut, ModalityTransform, Voi, Window, WindowFunction};
 pub use patient::PatientMarks;
-pub use read::{read_data_set, read_film};
+pub use read::{is_own_dicom, read_data_set, read_film};
 pub use remark::FilmRemark;
 pub use resolution::{Resolution, ResolutionUnit};
 pub use spacing_question::spacing_question;

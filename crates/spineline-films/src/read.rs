@@ -1,5 +1,6 @@
 //! Reading a film of any kind.
 
+use dicom_dictionary_std::tags::MANUFACTURER;
 use dicom_object::InMemDicomObject;
 
 use super::error::{FilmError, Measure};
@@ -25,6 +26,14 @@ pub fn read_data_set(bytes: &[u8]) -> Result<InMemDicomObject, FilmError> {
     let limits = FilmLimits::default();
     let container::Container { syntax, body, .. } = container::open(bytes, &limits)?;
     Ok(element::parse(&body, syntax.encoding, &limits)?.object)
+}
+
+/// Whether Spineline made a DICOM file: the film of a phantom, or a report of landmarks.
+#[must_use]
+pub fn is_own_dicom(bytes: &[u8]) -> bool {
+    let Ok(data) = read_data_set(bytes) else { return false };
+    let maker = data.get(MANUFACTURER).and_then(|element| element.to_str().ok());
+    maker.is_some_and(|maker| maker.starts_with("Spineline"))
 }
 
 fn read_dicom(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmError> {

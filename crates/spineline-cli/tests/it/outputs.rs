@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use crate::program::{Here, folder};
+use crate::maker::{EXPLICIT, Maker, ramp};
+use crate::program::{Here, folder, split};
 
 /// A folder with everything that the commands below read.
 fn samples() -> Here {
@@ -109,9 +110,29 @@ fn no_command_replaces_its_input() {
     }
     let stiffness = here.run(&["stiffness"]).0;
     here.write("stiffness.csv", stiffness);
-    let arguments =
-        ["analyze", "case.json", "--stiffness", "stiffness.csv", "--csv", "stiffness.csv"];
-    refuses(&here, &arguments, "stiffness.csv", "input");
+    let arguments = "analyze case.json --stiffness stiffness.csv --csv stiffness.csv";
+    refuses(&here, &split(arguments), "stiffness.csv", "input");
+}
+
+#[test]
+fn no_command_replaces_a_film() {
+    let here = samples();
+    here.write("erect.dcm", Maker::new(60, 40, &ramp(60, 40)).file(EXPLICIT));
+    here.write("bend.png", "a picture");
+    here.change("case.json", |case| case["films"][1]["image"]["file"] = "bend.png".into());
+    for command in TO_FILE {
+        for film in ["erect.dcm", "bend.png"] {
+            if film == "erect.dcm" || command[1] == "case.json" {
+                let arguments = [&with(command, film)[..], &["--overwrite"]].concat();
+                refuses(&here, &arguments, film, "a film");
+            }
+        }
+    }
+    // What this program drew is not the only copy.
+    for size in ["3", "4"] {
+        let drawn = format!("phantom --subject 1 --films --pixel-size {size} --out d --overwrite");
+        here.wrote(&split(&drawn));
+    }
 }
 
 #[test]
@@ -225,14 +246,8 @@ fn a_result_of_another_patient_is_replaced_only_when_asked() {
     let here = samples();
     here.wrote(&["phantom", "--scenario", "rod", "--subject", "2", "--noise", "0", "--out", "p"]);
     fs::rename(here.path("p/phantom-rod-02.json"), here.path("other-case.json")).expect("a case");
-    here.wrote(&[
-        "analyze",
-        "other-case.json",
-        "--json",
-        "other-analysis.json",
-        "--model",
-        "other-model.json",
-    ]);
+    let other = "analyze other-case.json --json other-analysis.json --model other-model.json";
+    here.wrote(&split(other));
     for command in TO_FILE.iter().filter(|command| command[1] != "readings.csv") {
         here.wrote(&with(command, "result"));
         let other = format!("other-{}", command[1]);

@@ -9,14 +9,14 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use clap::Args;
 use indexmap::IndexMap;
 use spineline_files::{
-    InputFile, MAX_ANALYSES_BYTES, Provenance, ProvenanceFile, case_ids, read_bytes, to_text,
-    with_hash,
+    InputFile, MAX_ANALYSES_BYTES, Provenance, ProvenanceFile, case_ids, film_names, read_bytes,
+    to_text, with_hash,
 };
 use tempfile::TempPath;
 
 use super::parts::Parts;
 use super::print_data;
-use super::target::{Identity, Target};
+use super::target::{Identity, Target, refuse_film};
 use super::there::There;
 use crate::run::failure::Failure;
 use crate::run::interrupt::{self, Part};
@@ -25,8 +25,8 @@ use crate::run::messages::say;
 /// The permission to replace files.
 #[derive(Args, Debug, Clone, Copy)]
 pub struct OverwriteArgs {
-    /// Replace output files that this program did not write, that were changed since, or that are of other patients; inputs and study
-    /// stores are never replaced
+    /// Replace output files that this program did not write, that were changed since, or that are of other patients; inputs, their
+    /// films, other DICOM films and study stores are never replaced
     #[arg(long)]
     pub overwrite: bool,
 }
@@ -38,10 +38,17 @@ pub struct OverwriteArgs {
 /// stop the others ([`Outputs::attempt`]).
 pub struct Outputs {
     overwrite: bool,
-    inputs: Vec<Identity>,
-    /// The cases in the inputs; `None` if they are not known before they are read.
-    input_cases: OnceLock<Option<BTreeSet<String>>>,
+    inputs: Vec<(PathBuf, Identity)>,
+    named: OnceLock<Named>,
     state: Mutex<State>,
+}
+
+/// What the inputs name.
+struct Named {
+    /// Their cases; `None` if they are not known before they are read: without an input, and with an input that allows one reading only.
+    cases: Option<BTreeSet<String>>,
+    /// Their films, which lie beside them.
+    films: Vec<Identity>,
 }
 
 #[derive(Default)]
@@ -70,9 +77,9 @@ enum Staged {
 impl Outputs {
     /// For a command that reads these files, if they exist.
     pub fn new<'a>(args: OverwriteArgs, inputs: impl IntoIterator<Item = &'a Path>) -> Self {
-        let inputs = inputs.into_iter().map(Identity::of).collect();
-        let input_cases = OnceLock::new();
-        Self { overwrite: args.overwrite, inputs, input_cases, state: Mutex::default() }
+        let inputs = inputs.into_iter().map(|path| (path.to_owned(), Identity::of(path))).collect();
+        let (named, state) = (OnceLock::new(), Mutex::default());
+        Self { overwrite: args.overwrite, inputs, named, state }
     }
 
     /// Adds a case of the results: they may replace earlier results of this case.
@@ -88,7 +95,7 @@ impl Outputs {
     /// Checks a file before any work.
     ///
     /// # Errors
-    /// If it is an input, a store or another output, cannot be written, or would replace what this program did not write.
+    /// If it is an input or a film of one, a store or another output, cannot be written, or would replace what this program did not write.
     pub fn file(&self, path: &Path) -> Result<(), Failure> {
         self.declare(path)?;
         if let Target::File(file) = Target::of(path)? {
@@ -268,17 +275,19 @@ impl Outputs {
         Failure::together(failures).map_or(Ok(()), Err)
     }
 
-    /// Refuses an input of this command.
+    /// Refuses an input of this command, and a film that an input names.
     fn check_own(&self, path: &Path, file: &Path) -> Result<Identity, Failure> {
         let identity = Identity::of(file);
-        if self.inputs.iter().any(|input| input.is(&identity)) {
-            return Err(Failure::target(
-                path,
-                "it is an input of this command, which would be destroyed",
-                "name another file",
-            ));
-        }
-        Ok(identity)
+        let is_film = || self.named().films.iter().any(|film| film.is(&identity));
+        let what = if self.inputs.iter().any(|(_, input)| input.is(&identity)) {
+            "an input"
+        } else if file.exists() && is_film() {
+            "a film of an input"
+        } else {
+            return Ok(identity);
+        };
+        let why = format!("it is {what} of this command, which would be destroyed");
+        Err(Failure::target(path, &why, "name another file"))
     }
 
     /// Refuses to replace files of other programs, changed files, and results of cases that are in neither the inputs, the cases that
@@ -289,8 +298,11 @@ impl Outputs {
         file: &Path,
         content: Option<&BTreeSet<String>>,
     ) -> Result<(), Failure> {
-        if self.overwrite || !file.exists() {
+        if !file.exists() {
             return Ok(());
+        }
+        if self.overwrite {
+            return refuse_film(path, file);
         }
         let why = match There::of(path, file) {
             There::Result(cases) => {
@@ -312,26 +324,32 @@ impl Outputs {
         cases: &'a BTreeSet<String>,
         content: Option<&BTreeSet<String>>,
     ) -> Option<&'a String> {
-        if cases.is_empty() || (self.input_cases().is_none() && content.is_none()) {
+        let of_inputs = self.named().cases.as_ref();
+        if cases.is_empty() || (of_inputs.is_none() && content.is_none()) {
             return None;
         }
         let state = self.state();
-        let known = [Some(&state.cases), content, self.input_cases()];
+        let known = [Some(&state.cases), content, of_inputs];
         cases.iter().find(|case| !known.iter().flatten().any(|all| all.contains(*case)))
     }
 
-    /// The cases in the inputs; `None` without an input, and with an input that allows one reading only.
-    fn input_cases(&self) -> Option<&BTreeSet<String>> {
-        let read = || {
-            let paths = self.inputs.iter().map(Identity::path);
-            let cases = paths.map(|path| {
+    /// Reads the inputs when this is asked for the first time.
+    fn named(&self) -> &Named {
+        self.named.get_or_init(|| {
+            let cases = (!self.inputs.is_empty()).then(BTreeSet::new);
+            let mut named = Named { cases, films: Vec::new() };
+            for (path, _) in &self.inputs {
                 let bytes = path.is_file().then(|| read_bytes(path, MAX_ANALYSES_BYTES).ok());
-                bytes.flatten().map(|bytes| case_ids(&bytes))
-            });
-            let cases: Vec<BTreeSet<String>> = cases.collect::<Option<_>>()?;
-            (!cases.is_empty()).then(|| cases.into_iter().flatten().collect())
-        };
-        self.input_cases.get_or_init(read).as_ref()
+                let Some(bytes) = bytes.flatten() else {
+                    named.cases = None;
+                    continue;
+                };
+                named.cases.iter_mut().for_each(|cases| cases.extend(case_ids(&bytes)));
+                let beside = |name: String| Identity::of(&path.with_file_name(name));
+                named.films.extend(film_names(&bytes).into_iter().map(beside));
+            }
+            named
+        })
     }
 }
 

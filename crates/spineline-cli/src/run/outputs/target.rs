@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use spineline_files::SQLITE_SIGNATURE;
+use spineline_films::is_own_dicom;
 
 use crate::run::failure::Failure;
 
@@ -103,6 +104,22 @@ fn refuse_store(path: &Path, file: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// A film may be the only copy. What this program made may be replaced: films of phantoms, and reports of landmarks.
+///
+/// # Errors
+/// For another DICOM file.
+pub(super) fn refuse_film(path: &Path, file: &Path) -> Result<(), Failure> {
+    let mut start = [0; 132];
+    let read = File::open(file).and_then(|mut file| file.read_exact(&mut start));
+    if read.is_err() || !start.ends_with(b"DICM") {
+        return Ok(());
+    }
+    if fs::read(file).is_ok_and(|bytes| is_own_dicom(&bytes)) {
+        return Ok(());
+    }
+    Err(Failure::target(path, "it is a film, which would be destroyed", "name another file"))
+}
+
 fn is_database(file: &Path) -> bool {
     let mut start = [0; SQLITE_SIGNATURE.len()];
     let read = File::open(file).and_then(|mut file| file.read_exact(&mut start));
@@ -145,10 +162,6 @@ impl Identity {
                 (found.dev(), found.ino())
             }),
         }
-    }
-
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 
     /// Its path with upper and lower case as one, as some disks have it.
