@@ -11,7 +11,7 @@ use spineline_store::{CaseError, NewCase, Signature, Store, StoreError};
 
 use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
-use crate::run::film_decoder::film_bytes;
+use crate::run::film_decoder::case_film_bytes;
 
 /// Adds one case; returns what was added as text. Films that may not belong to the case are added only if accepted.
 /// `fail` names the store in its errors.
@@ -23,7 +23,7 @@ pub fn add_case(
     by: &Signature,
 ) -> Result<Lines, Failure> {
     let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;
-    let bytes_of = |file: &str| film_bytes(&path.with_file_name(file)).map_err(Failure::from);
+    let bytes_of = |file: &str| case_film_bytes(&path.with_file_name(file)).map_err(Failure::from);
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
     let (warnings, observers) = film_warnings(path, &text)?;
     let doubts: Vec<&Warning> =

@@ -20,7 +20,7 @@ use spineline_report::terminal::Lines;
 use crate::options::choice::choice;
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
-use crate::run::film_decoder::{Decoder, film_bytes};
+use crate::run::film_decoder::{Decoder, case_film_bytes, film_bytes};
 use crate::run::inputs::{CaseInput, is_json};
 use crate::run::messages::{say, say_origin_of_weights};
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
@@ -105,7 +105,7 @@ fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Resul
         let help = "give --posture erect, left-bending, right-bending, neutral or traction, or a case whose films have postures";
         return Err(Failure::input(&place, "the posture of the film is not known", help));
     };
-    let (film, sha256) = decoded(decoder, path)?;
+    let (film, sha256) = decoded(decoder, path, film_bytes(path)?)?;
     let view = judge_view(&film.tags.view, None);
     if view.view == Some(View::Lateral) {
         return Err(Failure::input(&place, "the film states a lateral view", FRONTAL));
@@ -137,7 +137,7 @@ fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
         let picture = file.source(posture).and_then(|source| source.file);
         let Some(picture) = picture.filter(|_| readings.is_empty()) else { continue };
         let picture = path.with_file_name(picture);
-        let (decoded, _) = decoded(decoder, &picture)?;
+        let (decoded, _) = decoded(decoder, &picture, case_film_bytes(&picture)?)?;
         let place = picture.display().to_string();
         let (reading, detection) = read_film(&decoded, image, *iliac_crests, &place)?;
         readings.push(reading);
@@ -160,8 +160,8 @@ fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
 /// The required view.
 const FRONTAL: &str = "only films from the front or from behind";
 
-fn decoded(decoder: &Decoder, path: &Path) -> Result<(FilmFile, String), Failure> {
-    let bytes = film_bytes(path)?;
+/// A film and the hash of its file.
+fn decoded(decoder: &Decoder, path: &Path, bytes: Vec<u8>) -> Result<(FilmFile, String), Failure> {
     let sha256 = sha256_hex(&bytes);
     let film = decoder.decode(bytes).map_err(|error| Failure::of(path.display(), &error))?;
     Ok((film, sha256))

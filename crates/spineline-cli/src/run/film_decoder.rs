@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use spineline_films::intake::{IntakeError, IntakeLimits, Place, read};
+use spineline_films::intake::{IntakeError, IntakeLimits, Place, read, read_plain};
 use spineline_films::{ChildLimits, FilmError, FilmFile, decode_in_child};
 
 use super::failure::Failure;
@@ -25,7 +25,12 @@ impl Decoder {
     }
 }
 
-/// The content of a film's file.
+/// The content of a film's file that the user names, which may be a pipe.
 pub fn film_bytes(path: &Path) -> Result<Vec<u8>, IntakeError> {
     read(&Place::File(path.to_owned()), &IntakeLimits::default())
+}
+
+/// The content of a film's file that a case names, which is not a pipe.
+pub fn case_film_bytes(path: &Path) -> Result<Vec<u8>, IntakeError> {
+    read_plain(path, &IntakeLimits::default())
 }

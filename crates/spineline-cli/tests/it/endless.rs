@@ -123,6 +123,34 @@ fn a_pipe_in_a_folder_of_cases_is_not_waited_for() {
 
 #[cfg(unix)]
 #[test]
+fn a_pipe_that_a_case_names_as_a_film_is_not_waited_for() {
+    let here = folder();
+    let case = "phantom-rod-01.json";
+    here.change(case, |case| {
+        for (number, film) in case["films"].as_array_mut().expect("films").iter_mut().enumerate() {
+            film["image"]["file"] = format!("{number}.dcm").into();
+        }
+    });
+    let made = Command::new("mkfifo").arg(here.path("0.dcm")).status();
+    assert!(made.expect("mkfifo").success());
+    std::os::unix::fs::symlink("/dev/zero", here.path("1.dcm")).expect("a link");
+    let (error, code) = limited(&here, "", "report @ --out report.html", case);
+    assert_eq!(code, Some(0), "{error}");
+    assert!(error.contains("erect film is not shown") && error.contains("regular file"), "{error}");
+    for line in ["export @ --to dicom-sr --posture erect", "study add studies.spineline @"] {
+        let (error, code) = limited(&here, "", line, case);
+        assert_eq!(code, Some(3), "{line}: {error}");
+        assert!(error.contains("0.dcm: it is not a regular file"), "{line}: {error}");
+    }
+    fs::remove_file(here.path("0.dcm")).expect("the pipe");
+    fs::copy(here.path("film.dcm"), here.path("0.dcm")).expect("a film");
+    let (error, code) = limited(&here, "", "study add studies.spineline @", case);
+    assert_eq!(code, Some(3), "{error}");
+    assert!(error.contains("1.dcm: it is not a regular file"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
 fn an_input_that_an_analysis_names_is_read_from_plain_files_alone() {
     let here = folder();
     let analyze = ["analyze", "phantom-rod-01.json", "--json", "analysis.json"];

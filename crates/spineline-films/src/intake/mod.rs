@@ -7,9 +7,9 @@ mod archive;
 mod folder;
 mod search;
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Read;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::sniff;
 pub use search::{Found, IntakeError, IntakeLimits, PassedOver, Place, Reason, Survey};
@@ -46,6 +46,20 @@ pub fn read(place: &Place, limits: &IntakeLimits) -> Result<Vec<u8>, IntakeError
         Place::Entry { archive, index } => archive::read(archive, *index, limits),
     };
     bytes.map_err(|reason| IntakeError::Gone { place: place.clone(), reason })
+}
+
+/// As [`read`], for a film that a case names: a pipe or a device there could block for ever, and is refused.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_plain(path: &Path, limits: &IntakeLimits) -> Result<Vec<u8>, IntakeError> {
+    let place = Place::File(path.to_owned());
+    match fs::metadata(path) {
+        Ok(found) if !found.is_file() && !found.is_dir() => {
+            Err(IntakeError::Gone { place, reason: Reason::NotPlain })
+        }
+        _ => read(&place, limits),
+    }
 }
 
 /// A whole file if it is a film, otherwise its first bytes.

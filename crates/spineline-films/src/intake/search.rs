@@ -146,6 +146,7 @@ spineline::faults! {
         #[error("{place}: {reason}")]
         #[help(match reason {
             Reason::SameNames => "give each film its own name and pack the archive again",
+            Reason::NotPlain => "put the film itself there, and not a pipe or a device",
             Reason::TooLarge { .. } => "check that it is a film; export only the frontal film",
             Reason::Unreadable(ErrorKind::NotFound) => "check the path; the films of a case lie in the folder of the case",
             Reason::Unreadable(ErrorKind::IsADirectory) => "name the film or the case file in the folder",

@@ -4,7 +4,7 @@ use dicom_core::Tag;
 use dicom_dictionary_std::tags;
 use spineline::anatomy::Posture;
 use spineline_files::FilmSource;
-use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_films::intake::{IntakeLimits, read_plain};
 use spineline_films::read_data_set;
 
 use super::SourceImage;
@@ -19,7 +19,7 @@ pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, LandmarkExportError> {
-    let bytes = read(&Place::File(path.to_owned()), &IntakeLimits::default());
+    let bytes = read_plain(path, &IntakeLimits::default());
     bytes.map_err(|error| LandmarkExportError::Source(error.to_string()))
 }
 

@@ -10,7 +10,7 @@ use spineline_report::figures::FilmPicture;
 
 use crate::analysis::films::other_size;
 use crate::run::failure::Failure;
-use crate::run::film_decoder::{Decoder, film_bytes};
+use crate::run::film_decoder::{Decoder, case_film_bytes};
 use crate::run::threads::map_all;
 
 /// Rows of a picture in a report.
@@ -59,7 +59,7 @@ pub fn pictures(
 fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, String> {
     let name = film.source.file.as_deref().unwrap_or_default();
     // `CaseFile::into_case` refuses a name in another folder.
-    let bytes = film_bytes(&folder.join(name)).map_err(|error| error.to_string())?;
+    let bytes = case_film_bytes(&folder.join(name)).map_err(|error| error.to_string())?;
     if let Some(why) = film.source.other_bytes(&bytes) {
         return Err(why);
     }
