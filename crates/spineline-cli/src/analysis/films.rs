@@ -11,7 +11,7 @@ use spineline_films::{Stated, film_doubts};
 use spineline_landmarks::{parse_source, read_source};
 
 use crate::run::failure::Failure;
-use crate::run::film_decoder::{Decoder, film_bytes};
+use crate::run::film_decoder::{Decoder, case_film_bytes};
 
 /// A film of a case whose picture lies beside the case.
 struct Beside {
@@ -42,10 +42,21 @@ impl Beside {
         self.warn(code, format!("{place}{why}: check that it belongs to this case"), warnings);
     }
 
-    /// Why these bytes are not the film with the landmarks: by their SHA-256, or by the size that a DICOM file states.
-    fn other_file(&self, bytes: &[u8]) -> Option<String> {
-        let size = || parse_source(bytes, "").ok().map(|source| source.size);
-        self.source.other_bytes(bytes).or_else(|| other_size(size()?, self.size))
+    /// Why these bytes are not the film with the landmarks: by their SHA-256, by their size, or because they are not a film.
+    fn other_file(&self, decoder: &Decoder, bytes: &[u8]) -> Option<String> {
+        if let Some(why) = self.source.other_bytes(bytes) {
+            return Some(why);
+        }
+        // The size that a DICOM file states needs no decoder.
+        if let Ok(source) = parse_source(bytes, "") {
+            return other_size(source.size, self.size);
+        }
+        match decoder.decode(bytes.to_vec()) {
+            Ok(film) => other_size((film.columns, film.rows), self.size),
+            // The file with the landmarks, by its SHA-256.
+            Err(_) if self.source.sha256.is_some() => None,
+            Err(error) => Some(format!("its file cannot be read as a film ({error})")),
+        }
     }
 }
 
@@ -59,18 +70,18 @@ pub fn other_size(found: (u32, u32), stated: (u32, u32)) -> Option<String> {
     })
 }
 
-/// Compares the pictures that lie beside a case; missing and unreadable pictures are skipped.
+/// Compares the pictures that lie beside a case; missing pictures are skipped.
 ///
 /// # Errors
 /// If two films have the same pixels, in whatever files.
 pub fn check_films(path: &Path, file: &CaseFile, case: &Case) -> Result<Warnings, Failure> {
-    let films = beside(path, file, case);
+    let (films, decoder) = (beside(path, file, case), Decoder::new()?);
     if films.len() > 1 {
-        check_pixels(path, &films)?;
+        check_pixels(path, &films, &decoder)?;
     }
     let mut found = Warnings::default();
     warn_of_same_identifiers(&films, &mut found);
-    warn_of_wrong_films(&films, &mut found);
+    warn_of_wrong_films(&films, &decoder, &mut found);
     Ok(found)
 }
 
@@ -89,16 +100,15 @@ fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
         let place = folder.join(source.file.as_ref()?);
         Some(Beside { posture, size, place, source })
     });
-    placed.filter(|film| film.place.is_file()).collect()
+    placed.filter(|film| film.place.exists()).collect()
 }
 
 /// Decodes the films of equal size: only these can be the same picture.
-fn check_pixels(path: &Path, films: &[Beside]) -> Result<(), Failure> {
-    let decoder = Decoder::new()?;
+fn check_pixels(path: &Path, films: &[Beside], decoder: &Decoder) -> Result<(), Failure> {
     let mut known: Vec<(&Beside, String)> = Vec::new();
     for film in films {
         let alike = films.iter().filter(|other| other.size == film.size).count();
-        let Some(picture) = (alike > 1).then(|| picture(&decoder, &film.place)).flatten() else {
+        let Some(picture) = (alike > 1).then(|| picture(decoder, &film.place)).flatten() else {
             continue;
         };
         if let Some((other, _)) = known.iter().find(|(_, of)| *of == picture) {
@@ -112,16 +122,17 @@ fn check_pixels(path: &Path, films: &[Beside]) -> Result<(), Failure> {
 }
 
 fn picture(decoder: &Decoder, place: &Path) -> Option<String> {
-    decoder.decode(film_bytes(place).ok()?).ok().map(|film| film.picture_sha256())
+    decoder.decode(case_film_bytes(place).ok()?).ok().map(|film| film.picture_sha256())
 }
 
 /// Warns of files other than those with the landmarks, and of films of another part of the body or another patient, if their files
 /// are DICOM.
-fn warn_of_wrong_films(films: &[Beside], warnings: &mut Warnings) {
+fn warn_of_wrong_films(films: &[Beside], decoder: &Decoder, warnings: &mut Warnings) {
     let mut all_stated = Vec::new();
     for film in films {
-        let bytes = film_bytes(&film.place).ok();
-        if let Some(why) = bytes.as_ref().and_then(|bytes| film.other_file(bytes)) {
+        let bytes = case_film_bytes(&film.place).ok();
+        let unread = || Some("its file cannot be read".to_owned());
+        if let Some(why) = bytes.as_ref().map_or_else(unread, |all| film.other_file(decoder, all)) {
             film.doubt(WarningCode::PictureDiffers, &why, warnings);
         }
         let stated = bytes.and_then(|bytes| Stated::read(&bytes).ok()).unwrap_or_default();

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use spineline::measure::{alike_observers, alike_words};
-use spineline::warning::{Warning, Warnings, counted};
+use spineline::warning::{Warning, WarningCode, Warnings, counted};
 use spineline_files::parse_case_file;
 use spineline_report::terminal::Lines;
 use spineline_store::{CaseError, NewCase, Signature, Store, StoreError};
@@ -13,7 +13,8 @@ use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
 use crate::run::film_decoder::case_film_bytes;
 
-/// Adds one case; returns what was added as text. Films that may not belong to the case are added only if accepted.
+/// Adds one case; returns what was added as text. Films that may not belong to the case are added only if accepted, and other pictures
+/// than those with the landmarks never.
 /// `fail` names the store in its errors.
 pub fn add_case(
     store: &mut Store,
@@ -26,10 +27,12 @@ pub fn add_case(
     let bytes_of = |file: &str| case_film_bytes(&path.with_file_name(file)).map_err(Failure::from);
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
     let (warnings, observers) = film_warnings(path, &text)?;
-    let doubts: Vec<&Warning> =
-        warnings.all().iter().filter(|one| one.code.doubts_film()).collect();
-    if !accept && !doubts.is_empty() {
-        return Err(doubtful(path, &doubts));
+    let is_other = |one: &&Warning| one.code == WarningCode::PictureDiffers;
+    let help = "put the film on which the landmarks were placed into the folder of the case";
+    refuse_films(path, warnings.all().iter().filter(is_other), help)?;
+    if !accept {
+        let help = "give the case other films, or --accept if you are sure";
+        refuse_films(path, warnings.all().iter().filter(|one| one.code.doubts_film()), help)?;
     }
     let added = store.add_case(&case, by).map_err(fail)?;
     let (films, readings) =
@@ -54,10 +57,17 @@ fn place_and_text(warning: &Warning) -> String {
     }
 }
 
-fn doubtful(path: &Path, doubts: &[&Warning]) -> Failure {
-    let texts: Vec<String> = doubts.iter().map(|doubt| place_and_text(doubt)).collect();
-    let help = "give the case other films, or --accept if you are sure";
-    Failure::input(path.display(), texts.join("; "), help)
+/// Refuses the films of these warnings.
+fn refuse_films<'a>(
+    path: &Path,
+    doubts: impl Iterator<Item = &'a Warning>,
+    help: &str,
+) -> Result<(), Failure> {
+    let texts: Vec<String> = doubts.map(place_and_text).collect();
+    if texts.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::input(path.display(), texts.join("; "), help))
 }
 
 /// Warnings about the films of the case, and its observers; one picture for two films is refused.

@@ -11,7 +11,7 @@ fn with_films() -> Here {
 }
 
 /// A grey picture without anything in it.
-fn blank(columns: u32, rows: u32) -> Vec<u8> {
+pub fn blank(columns: u32, rows: u32) -> Vec<u8> {
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, columns, rows);
     encoder.set_color(png::ColorType::Grayscale);

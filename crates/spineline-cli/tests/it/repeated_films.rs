@@ -4,13 +4,14 @@ use std::fs;
 
 use serde_json::{Value, json};
 
+use crate::detect::blank;
 use crate::maker::{DEFLATED, EXPLICIT, Maker, Syntax, ramp};
-use crate::program::{Here, finish, folder, spineline, succeeded, unwrapped};
+use crate::program::{Here, finish, folder, spineline, split, succeeded, unwrapped};
 
 /// A film with an identifier, whose pixels depend on `number`.
 fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
-    let pixels: Vec<u16> = ramp(60, 40).into_iter().map(|grey| (grey + number) % 4096).collect();
-    let mut maker = Maker::new(60, 40, &pixels);
+    let pixels = ramp(COLUMNS, ROWS).into_iter().map(|grey| (grey + number) % 4096);
+    let mut maker = Maker::new(COLUMNS, ROWS, &pixels.collect::<Vec<u16>>());
     maker.text((0x08, 0x18), "UI", uid).text((0x20, 0x0D), "UI", "1.2.4");
     maker.file(syntax)
 }
@@ -18,26 +19,30 @@ fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
 /// A synthetic case whose erect and neutral films lie beside it, as pictures of one size.
 fn case(here: &Here, erect: &[u8], neutral: &[u8]) {
     if !here.path(CASE).exists() {
-        here.done(&["phantom", "--subject", "1", "--out", ".", "--noise", "0"]);
+        here.done(&split("phantom --subject 1 --out . --noise 0 --pixel-size 8"));
     }
     here.change(CASE, |case| {
         for film in case["films"].as_array_mut().expect("films") {
             let posture = film["posture"].as_str().expect("a posture").to_owned();
-            // Films of other sizes are never one picture, so these are the largest of all.
-            film["image"]["columns"] = 9000.into();
-            film["image"]["rows"] = 9000.into();
+            film["image"]["columns"] = COLUMNS.into();
+            film["image"]["rows"] = ROWS.into();
             film["image"]["file"] = format!("{posture}.dcm").into();
         }
     });
-    // A store refuses a case with a missing film; these files are not films, and are not compared.
-    for posture in ["left_bending", "right_bending", "traction"] {
-        here.write(format!("{posture}.dcm"), posture);
+    // A store refuses a case with a missing film.
+    for (number, posture) in [(11, "left_bending"), (12, "right_bending"), (13, "traction")] {
+        let other = film(number, &format!("1.2.3.{number}"), EXPLICIT);
+        here.write(format!("{posture}.dcm"), other);
     }
     here.write("erect.dcm", erect);
     here.write("neutral.dcm", neutral);
 }
 
 const CASE: &str = "phantom-rod-01.json";
+
+/// Size of all films, at least as large as the phantom's. Films of different sizes are never one picture.
+const COLUMNS: u16 = 420;
+const ROWS: u16 = 600;
 
 /// Every command that reads a case, with its arguments.
 fn readers(here: &Here) -> Vec<Vec<&'static str>> {
@@ -70,7 +75,7 @@ fn one_picture_in_two_files_is_refused_for_two_postures() {
     case(&here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
     here.change(CASE, |with| {
         with["lateral"] = json!({ "image": {
-            "columns": 9000, "rows": 9000, "patient_anterior": "image_left", "file": "side.dcm",
+            "columns": COLUMNS, "rows": ROWS, "patient_anterior": "image_left", "file": "side.dcm",
         } });
     });
     here.write("side.dcm", film(2, "1.2.3.9", EXPLICIT));
@@ -123,12 +128,12 @@ fn two_pictures_of_one_identifier_are_warned_about() {
 fn a_film_of_another_patient_or_part_of_the_body_is_noticed_by_every_command() {
     let here = folder();
     let neutral = |tag: (u16, u16), vr: &'static str, value: &str| {
-        let mut maker = Maker::new(60, 40, &ramp(60, 40));
+        let mut maker = Maker::new(COLUMNS, ROWS, &ramp(COLUMNS, ROWS));
         maker.text((0x08, 0x18), "UI", "1.2.3.2").text((0x20, 0x0D), "UI", "1.2.4");
         maker.text((0x10, 0x20), "LO", "SOMEONE-1").text(tag, vr, value);
         maker.file(EXPLICIT)
     };
-    let mut erect = Maker::new(60, 40, &[7; 2400]);
+    let mut erect = Maker::new(COLUMNS, ROWS, &[7; COLUMNS as usize * ROWS as usize]);
     erect.text((0x08, 0x18), "UI", "1.2.3.1").text((0x20, 0x0D), "UI", "1.2.4");
     erect.text((0x10, 0x20), "LO", "SOMEONE-1");
     let erect = erect.file(EXPLICIT);
@@ -215,6 +220,26 @@ fn a_picture_other_than_the_one_with_the_landmarks_is_noticed_by_every_command()
             fs::remove_file(here.path(file)).expect("removed");
         }
     }
+}
+
+#[test]
+fn a_file_that_is_not_a_film_or_has_another_size_is_noticed_without_a_stated_hash() {
+    let here = folder();
+    case(&here, &film(1, "1.2.3.1", EXPLICIT), &film(2, "1.2.3.2", EXPLICIT));
+    here.done(&["study", "create", "s.db"]);
+    for (file, expected) in [
+        (b"notes of a week".to_vec(), "not a radiograph"),
+        (Vec::new(), "the file is empty"),
+        (blank(30, 20), "it has 30 × 20 pixels"),
+    ] {
+        here.write("erect.dcm", file);
+        let said = unwrapped(&here.done(&["check", CASE]));
+        assert!(said.contains("erect film") && said.contains(expected), "{said}");
+        let error = unwrapped(&here.refused(&["study", "add", "s.db", CASE, "--accept"], 3));
+        assert!(error.contains("erect film") && error.contains(expected), "{error}");
+    }
+    here.write("erect.dcm", blank(COLUMNS.into(), ROWS.into()));
+    here.done(&["study", "add", "s.db", CASE]);
 }
 
 /// Corners of T9 and T8 by name: column and row.
