@@ -10,9 +10,9 @@ use rusqlite::{Connection, MAIN_DB, OpenFlags, TransactionBehavior};
 
 use crate::acceptance::{accept, compare_end, contains};
 use crate::audit::{self, AuditEntry, Head, Ledger};
-use crate::beside::{HEADS, LOG, behind_links, beside, has_content};
+use crate::beside::{HEADS, LOG, behind_links, beside, has_content, remove};
 use crate::error::StoreError;
-use crate::heads::{HeadFile, Heads};
+use crate::heads::{self, HeadFile, Heads};
 use crate::names::{ReadingId, Signature};
 use crate::part::{Part, check_free};
 use crate::schema;
@@ -50,10 +50,14 @@ impl Store {
     /// Makes a new store in a file that does not exist yet, or is empty.
     ///
     /// # Errors
-    /// [`StoreError::AlreadyExists`]; [`StoreError::UnfittingLog`] where the log of another store lies beside the file;
+    /// [`StoreError::NoFolder`]; [`StoreError::AlreadyExists`]; [`StoreError::UnfittingLog`] where the log of another store lies beside the file;
     /// [`StoreError::CannotOpen`] and errors of the file system.
     pub fn create(path: &Path, by: &Signature) -> Result<Self, StoreError> {
         let file = behind_links(path);
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if folder.is_some_and(|folder| !folder.is_dir()) {
+            return Err(StoreError::NoFolder { path: path.to_owned() });
+        }
         check_free(&file)?;
         let part = Part::of(&file).map_err(read_only)?;
         let mut connection = schema::connect(part.path(), OpenFlags::SQLITE_OPEN_READ_WRITE)?;
@@ -63,6 +67,18 @@ impl Store {
         connection.close().map_err(|(_, error)| error)?;
         part.place_new()?;
         Self::open(path)
+    }
+
+    /// Removes a store that was made in vain, and the heads beside it.
+    ///
+    /// # Errors
+    /// [`StoreError::File`].
+    pub fn discard(self) -> Result<(), StoreError> {
+        let path = self.path.clone();
+        // SQLite removes its log with the last connection.
+        drop(self);
+        heads::forget(&path)?;
+        remove(&path).map_err(|source| StoreError::File { path, source })
     }
 
     /// Opens a store for reading and writing.

@@ -27,6 +27,13 @@ spineline::faults! {
         NotFound {
             path: PathBuf,
         },
+        /// The folder of a new store does not exist.
+        #[error("{}: its folder does not exist", path.display())]
+        #[help("check the path, or make the folder first")]
+        NoFolder {
+            /// The store.
+            path: PathBuf,
+        },
         /// A file of this name is there already.
         #[error("{}: exists already", path.display())]
         #[help(NAME_HELP)]

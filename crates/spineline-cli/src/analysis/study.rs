@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{alike_observers, alike_words};
 use spineline::warning::{Warning, WarningCode, Warnings, counted};
 use spineline_files::parse_case_file;
 use spineline_report::terminal::Lines;
-use spineline_store::{CaseError, NewCase, Signature, Store, StoreError};
+use spineline_store::{CaseError, Hash, Name, NewCase, Signature, Store, StoreError};
 
 use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
@@ -48,6 +49,38 @@ pub fn add_case(
         text.line(format!("  ! {}", place_and_text(one)));
     }
     Ok(text)
+}
+
+/// Remarks on the films of a case that its study, which `place` keeps, lacks.
+///
+/// # Errors
+/// If the store has studies of other cases only.
+pub fn compare_case(store: &Store, place: &Path, path: &Path) -> Result<Vec<String>, Failure> {
+    let in_file = |error: FileError| Failure::file(path, &error);
+    let in_store = |error: StoreError| Failure::file(place, &error);
+    let text = spineline_files::read_text(path).map_err(in_file)?;
+    let file = parse_case_file(&text).map_err(in_file)?;
+    let case = file.clone().into_case().map_err(in_file)?;
+    let id = Name::new(&case.id).map_err(|error| refusal(path, CaseError::Name(error)))?;
+    let studies = store.studies().map_err(in_store)?;
+    if !studies.iter().any(|study| study.id == id) {
+        let known: Vec<&str> = studies.iter().map(|study| study.id.as_str()).collect();
+        let place = place.display();
+        let what = format!("it is the case {id}, and the store {place} keeps {}", known.join(", "));
+        let help = "give the store another name, or add the case to it with `spineline study add`";
+        return Err(Failure::input(path.display(), what, help));
+    }
+    let films = store.films(&id).map_err(in_store)?;
+    let frontal = Posture::ALL.map(|posture| (FilmView::Frontal(posture), file.source(posture)));
+    let all = frontal.into_iter().chain([(FilmView::Lateral, file.lateral_source())]);
+    let differs = all.filter_map(|(view, source)| {
+        let bytes = case_film_bytes(&path.with_file_name(source?.file?)).ok()?;
+        let hash = Hash::of(&bytes);
+        let is_kept = films.iter().any(|film| film.view == view && film.content == hash);
+        let remark = || format!("{}: its study has another {view} film", path.display());
+        (!is_kept).then(remark)
+    });
+    Ok(differs.collect())
 }
 
 fn place_and_text(warning: &Warning) -> String {

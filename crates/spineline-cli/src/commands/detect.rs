@@ -21,7 +21,7 @@ use crate::options::choice::choice;
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::{Decoder, case_film_bytes, film_bytes};
-use crate::run::inputs::{CaseInput, is_json};
+use crate::run::inputs::{CaseInput, is_case};
 use crate::run::messages::{say, say_origin_of_weights};
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
 use crate::run::progress::bar;
@@ -65,7 +65,7 @@ pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
     let (mut text, mut ending) = (Lines::default(), Ending::Done);
     for (number, path) in (1..).zip(&args.films) {
         let id = format!("detected-{number:02}");
-        let made = match is_json(path) {
+        let made = match is_case(path) {
             true => of_case(&decoder, path),
             false => of_film(&decoder, path, args, &id),
         };

@@ -131,9 +131,18 @@ fn start_of(path: &Path) -> Option<Vec<u8>> {
     file.take(132).read_to_end(&mut start).ok().map(|_| start)
 }
 
-/// Whether a file is JSON, and so a case and neither a picture nor a store.
-pub fn is_json(path: &Path) -> bool {
-    start_of(path).is_some_and(|start| start.trim_ascii_start().starts_with(b"{"))
+/// Whether a file ends in `.json`, in any capitals.
+fn ends_in_json(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
+}
+
+/// Whether a path stands for a case, and neither for a picture nor for a store: by its name, or because the file there is JSON.
+pub fn is_case(path: &Path) -> bool {
+    let is_json = |start: Vec<u8>| {
+        let text = start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&start);
+        text.trim_ascii_start().starts_with(b"{")
+    };
+    ends_in_json(path) || start_of(path).is_some_and(is_json)
 }
 
 /// Refuses a picture where a case is expected.

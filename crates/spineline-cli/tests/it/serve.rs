@@ -129,9 +129,40 @@ fn a_case_is_served_from_a_store_beside_it() {
         assert!(output_of(&list.success()).contains("phantom-rod-01"));
     }
     assert_eq!(std::fs::read(here.path(case)).expect("a case"), before);
+    // A mark of the byte order, and another ending.
+    let marked = ["\u{feff}".as_bytes(), &before].concat();
+    here.write("p/marked.case", marked);
+    let line = first_line(&here, &["serve", "p/marked.case", "--port", "0"]);
+    assert!(line.contains("phantom-rod-01: added"), "{line}");
+    // A film that was exchanged later.
+    here.write("p/phantom-rod-01-erect.dcm", "another film");
+    let (_, told) = serve(&here, &["serve", case, "--port", "0"]);
+    assert!(told.contains("has another erect film"), "{told}");
+    // Another case of the same name.
+    here.change(case, |case| case["case_id"] = "other".into());
+    let refused = output_of(&run(&here, &["serve", case, "--port", "0"], "").failure().code(3));
+    assert!(
+        refused.contains("the case other") && refused.contains("keeps phantom-rod-01"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn nothing_is_left_of_a_refused_case_or_a_misspelt_path() {
+    let here = folder();
     here.write("torn.json", "{");
-    run(&here, &["serve", "torn.json", "--port", "0"], "").failure().code(3);
-    assert!(!here.path("torn.spineline").exists(), "nothing is left of a refused case");
+    here.write("model.json", "{\"format\": \"spineline-model\"}");
+    let missing = ["none.json", "none.JSON", "none/case.json"].map(|name| (name, "no such case"));
+    let others = [("torn.json", "torn.json"), ("model.json", "spineline-model")];
+    let store = [("none/s.spineline", "its folder does not exist")];
+    for (path, expected) in missing.into_iter().chain(others).chain(store) {
+        let refused = output_of(&run(&here, &["serve", path, "--port", "0"], "").failure().code(3));
+        assert!(refused.contains(expected), "{path}: {refused}");
+    }
+    let left = std::fs::read_dir(here.folder()).expect("a folder");
+    let left = left.map(|entry| entry.expect("an entry").file_name());
+    let left: Vec<_> = left.filter(|name| name.to_string_lossy().contains("spineline")).collect();
+    assert!(left.is_empty(), "{left:?}");
 }
 
 #[test]

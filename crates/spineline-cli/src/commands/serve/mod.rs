@@ -10,9 +10,9 @@ use clap::Args;
 use spineline_server::{ServeLimits, ServeOptions, Server};
 use spineline_store::{Access, Name, Role, Signature, Store, wider_permissions};
 
-use crate::analysis::study::add_case;
+use crate::analysis::study::{add_case, compare_case};
 use crate::run::failure::{Ending, Failure};
-use crate::run::inputs::is_json;
+use crate::run::inputs::is_case;
 use crate::run::interrupt;
 use crate::run::messages::{say, say_origin_of_weights};
 use crate::run::outputs::print;
@@ -74,20 +74,10 @@ pub struct ServeArgs {
 pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     check_clock()?;
     let archives = args.archives.read()?;
-    let case = is_json(&args.store).then_some(&args.store);
+    let case = is_case(&args.store).then_some(&args.store);
     let store = case.map_or_else(|| args.store.clone(), |case| case.with_extension("spineline"));
     let args = &ServeArgs { store, ..args.clone() };
-    let is_new = !args.store.exists();
-    let mut store = open(args)?;
-    if let Some(case) = case {
-        if is_new && let Err(failure) = add_study(args, &mut store, case) {
-            // Removes a store whose only study cannot be made.
-            drop(store);
-            let _ = std::fs::remove_file(&args.store);
-            return Err(failure);
-        }
-        say(format!("{}: its study is kept in {}", case.display(), args.store.display()));
-    }
+    let store = case.map_or_else(|| open(args), |case| open_beside(args, case))?;
     let access =
         if args.accounts || !args.bind.is_loopback() { Access::Accounts } else { Access::Token };
     check(args, &store, access)?;
@@ -124,7 +114,31 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     ending
 }
 
-/// Makes the study of a case in a new store.
+/// Opens the store beside a case, with the study of the case.
+fn open_beside(args: &ServeArgs, case: &Path) -> Result<Store, Failure> {
+    if !case.exists() {
+        let help = "check the path; `spineline import` makes a case of films";
+        return Err(Failure::input(case.display(), "no such case", help));
+    }
+    let is_new = !args.store.exists();
+    let mut store = open(args)?;
+    let studies = store.studies().map_err(|error| Failure::store(&args.store, &error))?;
+    if studies.is_empty() {
+        if let Err(failure) = add_study(args, &mut store, case) {
+            // Removes a store whose only study cannot be made.
+            let _ = is_new.then(|| store.discard());
+            return Err(failure);
+        }
+    } else {
+        for remark in compare_case(&store, &args.store, case)? {
+            say(format!("warning: {remark}"));
+        }
+    }
+    say(format!("{}: its study is kept in {}", case.display(), args.store.display()));
+    Ok(store)
+}
+
+/// Makes the study of a case in a store without studies.
 fn add_study(args: &ServeArgs, store: &mut Store, case: &Path) -> Result<(), Failure> {
     let fail = |error| Failure::file(&args.store, &error);
     print(add_case(store, fail, case, false, &signature(&args.store)?)?).map(|_| ())
