@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use spineline::analysis::Case;
-use spineline::anatomy::{ImageSide, Posture};
+use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Origin, Reading, ReadingId,
     VertebraLandmarks,
@@ -13,8 +13,8 @@ use spineline::number::fixed;
 use spineline::warning::counted;
 use spineline_detect::{DetectedVertebra, Detection, Picture, Refusal, detect};
 use spineline_files::{CaseFile, FilmSource, sha256_hex, to_text};
-use spineline_films::FilmFile;
-use spineline_marking::{View, judge_spacing, judge_view};
+use spineline_films::{FilmFile, side_contradiction, view_contradictions};
+use spineline_marking::{ViewJudgement, judge_spacing, judge_view};
 use spineline_report::terminal::Lines;
 
 use crate::options::choice::choice;
@@ -49,7 +49,7 @@ pub struct DetectArgs {
     /// Folder for a case per film or case
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Side of the picture on which the patient's left is, where a film does not say
+    /// Side of the picture on which the patient's left is, where a film does not say; a case states it
     #[arg(long, value_name = "SIDE", value_parser = choice::<ImageSide>())]
     patient_left: Option<ImageSide>,
     #[command(flatten)]
@@ -57,6 +57,13 @@ pub struct DetectArgs {
 }
 
 pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
+    let has_options = args.posture.is_some() || args.patient_left.is_some();
+    if let Some(case) = args.films.iter().find(|path| has_options && is_case(path)) {
+        return Err(Failure::usage(format!(
+            "--posture and --patient-left are about films; {} is a case, which states both",
+            case.display()
+        )));
+    }
     let outputs = Outputs::new(args.overwrite, args.films.iter().map(PathBuf::as_path));
     outputs.folder(&args.out)?;
     say_origin_of_weights();
@@ -106,10 +113,8 @@ fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Resul
         return Err(Failure::input(&place, "the posture of the film is not known", help));
     };
     let (film, sha256) = decoded(decoder, path, film_bytes(path)?)?;
-    let view = judge_view(&film.tags.view, None);
-    if view.view == Some(View::Lateral) {
-        return Err(Failure::input(&place, "the film states a lateral view", FRONTAL));
-    }
+    let view = judge_view(&film.tags.view, Some(posture));
+    check_answers(&place, &view, posture, args.patient_left)?;
     let Some(patient_left) = view.patient_left.or(args.patient_left) else {
         let what = "the film does not say on which side of the picture the patient's left is";
         let help = "give --patient-left image-left or image-right (look for the lead marker, the heart, the stomach's bubble)";
@@ -119,10 +124,29 @@ fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Resul
     let image = ImageGeometry { columns: film.columns, rows: film.rows, spacing, patient_left };
     let (reading, detection) = read_film(&film, &image, None, &place)?;
     let landmarks = FilmLandmarks::Corners { image, iliac_crests: None, readings: vec![reading] };
-    let case = Case::of_films(id, vec![Film::new(posture, landmarks)]);
+    let mut case = Case::of_films(id, vec![Film::new(posture, landmarks)]);
+    case.synthetic = film.tags.is_phantom;
     let source = FilmSource { file: None, sha256: Some(sha256), inverted: false };
     let case = CaseFile::from_case(&case).with_source(posture, source);
     Ok(Made { case, found: vec![(posture, detection)] })
+}
+
+/// Refuses answers that the file contradicts.
+fn check_answers(
+    place: &str,
+    file: &ViewJudgement,
+    posture: Posture,
+    patient_left: Option<ImageSide>,
+) -> Result<(), Failure> {
+    let view = FilmView::Frontal(posture);
+    let mut contradicted = view_contradictions(view, file);
+    let said = patient_left.and_then(|side| side_contradiction(view, file, side, "your option"));
+    contradicted.extend(said);
+    if contradicted.is_empty() {
+        return Ok(());
+    }
+    let help = "correct your options (only films from the front or from behind are read); if the file is wrong, make a case with `spineline import --accept`";
+    Err(Failure::input(place, contradicted.join("; "), help))
 }
 
 /// A case with landmarks for its films without a reading.

@@ -1,5 +1,6 @@
 //! `spineline detect`: films to cases of proposals, and films that show no spine.
 
+use crate::maker::{EXPLICIT, Maker, ramp};
 use crate::program::{CASE, Here, json, with_phantom};
 
 /// The erect film of the phantom.
@@ -30,6 +31,7 @@ fn a_synthetic_film_becomes_a_case_of_unreviewed_corners() {
     let file = here.text("found/detected-01.json");
     assert!(!file.contains("phantom-rod"), "the case names no film");
     let case = json(&file);
+    assert_eq!(case["synthetic"], true, "the film says that it is a phantom's");
     let vertebrae = case["films"][0]["readings"][0]["vertebrae"].as_object().expect("vertebrae");
     assert!(vertebrae.len() >= 12, "{}", vertebrae.len());
     for vertebra in vertebrae.values() {
@@ -60,6 +62,26 @@ fn a_film_without_a_spine_is_refused_and_the_others_are_kept() {
     // A picture does not say where the patient's left is, and it is not guessed.
     let error = here.refused(&["detect", "blank.png", "--posture", "erect", "--out", "other"], 3);
     assert!(error.contains("--patient-left"), "{error}");
+}
+
+#[test]
+fn options_that_a_film_or_a_case_contradicts_are_refused() {
+    let here = with_films();
+    let mut film = Maker::new(60, 40, &ramp(60, 40));
+    film.text((0x20, 0x20), "CS", "L\\F");
+    here.write("front.dcm", film.file(EXPLICIT));
+    film.text((0x20, 0x20), "CS", "P\\F");
+    here.write("side.dcm", film.file(EXPLICIT));
+    let of =
+        |film, side| ["detect", film, "--posture", "erect", "--out", "o", "--patient-left", side];
+    let error = here.refused(&of("front.dcm", "image-left"), 3);
+    assert!(error.contains("Patient Orientation puts the patient's left on the right"), "{error}");
+    let error = here.refused(&of("side.dcm", "image-left"), 3);
+    assert!(error.contains("lateral view"), "{error}");
+    for option in [["--posture", "erect"], ["--patient-left", "image-left"]] {
+        let error = here.refused(&[&["detect", CASE, "--out", "o"], &option[..]].concat(), 2);
+        assert!(error.contains("is a case, which states both"), "{error}");
+    }
 }
 
 #[test]
