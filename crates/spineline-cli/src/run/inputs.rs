@@ -1,12 +1,13 @@
 //! Reading cases, models and folders of them.
 
-use std::fs::{self, File};
+use std::fs::{self, DirEntry, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use spineline::analysis::Case;
 use spineline::cohort::{KnownPatients, PatientMarks};
+use spineline::warning::counted;
 use spineline_files::{
     CaseFile, FileError, InputFile, Request, StoredModel, parse_model, read_text,
 };
@@ -17,6 +18,8 @@ use super::provenance::shown_name;
 
 /// The format of analyses, which contain their cases.
 const ANALYSIS: &str = "spineline-analysis";
+/// The format of the true values of a phantom, which lie beside its case.
+const TRUTH: &str = "spineline-phantom-truth";
 
 /// Adds a case to the patients so far.
 ///
@@ -41,11 +44,9 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         let entries = fs::read_dir(path)
             .and_then(Iterator::collect::<Result<Vec<_>, _>>)
             .map_err(|error| Failure::input(path.display(), error, "check the folder"))?;
-        let mut inside: Vec<PathBuf> = entries
-            .into_iter()
-            .map(|entry| entry.path())
-            .filter(|file| file.extension().is_some_and(|e| e == "json"))
-            .collect();
+        let (mut inside, others): (Vec<PathBuf>, Vec<PathBuf>) =
+            entries.iter().map(DirEntry::path).partition(|file| ends_in_json(file));
+        note_folders(path, &others);
         if inside.is_empty() {
             let help = "give a folder of case files";
             return Err(Failure::input(path.display(), "no .json file in this folder", help));
@@ -61,15 +62,30 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
+/// Says that folders inside a folder have files that may be cases.
+fn note_folders(folder: &Path, others: &[PathBuf]) {
+    let may_be_case =
+        |file: PathBuf| ends_in_json(&file) && file.is_file() && output_format(&file).is_none();
+    let has_case = |inside: &&PathBuf| {
+        let mut entries = fs::read_dir(inside).into_iter().flatten().filter_map(Result::ok);
+        inside.is_dir() && entries.any(|entry| may_be_case(entry.path()))
+    };
+    let unread = others.iter().filter(has_case).count();
+    if unread > 0 {
+        let (unread, folder) = (counted(unread, "folder"), folder.display());
+        say(format!(
+            "note: not read: {unread} with .json files inside {folder}; give each by name"
+        ));
+    }
+}
+
 /// The cases among the files of a folder: files that this program wrote are passed over, and a message says so. Analyses count as
 /// cases if the folder has no case.
 fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
-    // The true values of a phantom lie beside its case.
-    let is_truth = |file: &PathBuf| file.to_string_lossy().ends_with(".truth.json");
     let (mut outputs, mut cases): (Vec<_>, Vec<_>) = inside
         .into_par_iter()
-        .filter(|file| !is_truth(file))
         .map(|file| (output_format(&file), file))
+        .filter(|(format, _)| format.as_deref() != Some(TRUTH))
         .collect::<Vec<_>>()
         .into_iter()
         .partition(|(format, _)| format.is_some());

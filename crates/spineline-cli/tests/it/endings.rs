@@ -79,6 +79,22 @@ fn outputs_beside_the_cases_of_a_folder_are_passed_over_and_named() {
 }
 
 #[test]
+fn a_case_of_a_folder_is_never_left_out_silently() {
+    let here = with_phantom(&[]);
+    let names = ["cases/B.JSON", "cases/P06.truth.json"];
+    names.iter().for_each(|name| here.write(name, here.text(CASE)));
+    fs::create_dir(here.path("cases/more")).expect("a folder");
+    here.write("cases/more/c.json", here.text(CASE));
+    let (text, error, code) = here.run(&["check", "cases"]);
+    assert_eq!(code, 0, "{text}{error}");
+    for name in [CASE, names[0], names[1]] {
+        assert!(text.contains(name), "{name}: {text}");
+    }
+    assert!(error.contains("not read: 1 folder with .json files inside cases"), "{error}");
+    assert!(!text.contains("rod-01.truth"), "true values are not a case: {text}");
+}
+
+#[test]
 fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
     let here = folder();
     for (bytes, said) in [

@@ -59,8 +59,9 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     if to_stdout > 1 {
         return Err(Failure::usage("only one of --json and --csv can go to the standard output"));
     }
-    let outputs = check_outputs(args)?;
-    let Readings { quantities, synthetic, inputs, case_ids } = read(&args.inputs)?;
+    let files = case_files(&args.inputs)?;
+    let outputs = check_outputs(args, &files)?;
+    let Readings { quantities, synthetic, inputs, case_ids } = read(&files)?;
     case_ids.iter().for_each(|id| outputs.of_case(id));
     let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
     let provenance = provenance.of_cases(case_ids);
@@ -96,13 +97,8 @@ fn assessed(quantity: &RatedQuantity, with_points: bool) -> QuantityReliability 
 }
 
 /// Checks every output before any work.
-fn check_outputs(args: &ReliabilityArgs) -> Result<Outputs, Failure> {
-    let inputs = if args.inputs.iter().any(|path| path.is_dir()) {
-        case_files(&args.inputs)?
-    } else {
-        args.inputs.clone()
-    };
-    let outputs = Outputs::new(args.overwrite, inputs.iter().map(PathBuf::as_path));
+fn check_outputs(args: &ReliabilityArgs, files: &[PathBuf]) -> Result<Outputs, Failure> {
+    let outputs = Outputs::new(args.overwrite, files.iter().map(PathBuf::as_path));
     if let Some(path) = &args.json {
         outputs.file(path)?;
     }
@@ -123,7 +119,7 @@ struct Readings {
     case_ids: Vec<String>,
 }
 
-/// The quantities of a table or of cases.
+/// The quantities of a table or of case files.
 fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
     let is_table = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
     if !inputs.iter().any(is_table) {
@@ -140,12 +136,12 @@ fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
     Ok(Readings { quantities, synthetic, inputs, case_ids: Vec::new() })
 }
 
-fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
+fn read_cases(files: &[PathBuf]) -> Result<Readings, Failure> {
     let (mut known, mut quantities) = (KnownPatients::default(), FilmQuantities::default());
     let mut case_ids = Vec::new();
     let (mut synthetic, mut inputs) = (false, Vec::new());
-    for path in case_files(given)? {
-        let CaseInput { case, input, .. } = CaseInput::read(&path)?;
+    for path in files {
+        let CaseInput { case, input, .. } = CaseInput::read(path)?;
         inputs.push(input);
         let place = path.display().to_string();
         count_once(&mut known, &place, &case)?;
