@@ -1,5 +1,13 @@
 //! The host names under which the program answers.
 
+use axum::http::uri::Authority;
+
+/// Whether a text can be the host in a browser's address, with a port or without.
+#[must_use]
+pub fn is_host(text: &str) -> bool {
+    text.parse::<Authority>().is_ok_and(|host| !host.host().is_empty() && !text.contains('@'))
+}
+
 /// The host names under which the program answers. Other names may come from DNS rebinding and are refused.
 #[derive(Debug)]
 pub struct Hosts(Vec<String>);

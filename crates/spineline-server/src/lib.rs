@@ -45,6 +45,7 @@ mod words;
 pub use app::{app, openapi};
 pub use assets::{has_app, licences_of_app};
 pub use guard::MAX_UPLOAD_BYTES;
+pub use hosts::is_host;
 pub use limits::{BodyRate, Places, RequestPlaces, ServeLimits, Shares, UploadLimits, UploadRoom};
 pub use listen::Server;
 pub use problem::{Answer, Failure};

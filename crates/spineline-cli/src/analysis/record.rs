@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use indexmap::IndexMap;
+use spineline::analysis::Analysis;
+use spineline::anatomy::Level;
 use spineline::cohort::KnownPatients;
+use spineline::measure::AmplitudeEnds;
 use spineline_files::{
     FilmOrigin, InputFile, ProgramRun, Provenance, Request, StoredRotationPrior,
 };
@@ -23,6 +26,8 @@ pub struct RunRecord {
     shared: Vec<InputFile>,
     /// The distribution of joint rotations that was given.
     rotation_prior: Option<StoredRotationPrior>,
+    /// Whether the ends of amplitudes were given by themselves.
+    gives_amplitude: bool,
 }
 
 /// The cases that outputs are made from.
@@ -53,7 +58,8 @@ impl RunRecord {
             identifiability: uncertainty.identifiability,
         };
         let shared = method.files().map(read_input).collect::<Result<_, _>>()?;
-        Ok(Self { shared, rotation_prior, ..Self::asking(request)? })
+        let gives_amplitude = method.is_given("amplitude");
+        Ok(Self { shared, rotation_prior, gives_amplitude, ..Self::asking(request)? })
     }
 
     /// A record of a request that names no file.
@@ -61,7 +67,23 @@ impl RunRecord {
     /// # Errors
     /// If `SOURCE_DATE_EPOCH` is set and is not a time.
     pub fn asking(request: Request) -> Result<Self, Failure> {
-        Ok(Self { run: this_run()?, request, shared: Vec::new(), rotation_prior: None })
+        let (run, shared) = (this_run()?, Vec::new());
+        Ok(Self { run, request, shared, rotation_prior: None, gives_amplitude: false })
+    }
+
+    /// Names the films that lack L5 or T1, where amplitudes between these were asked for.
+    pub fn amplitude_note(&self, analysis: &Analysis) -> Option<Notice> {
+        let asked = self.gives_amplitude && self.request.options.amplitude == AmplitudeEnds::T1L5;
+        let films = analysis.movement.films.iter().map(|film| &film.outline).filter(|_| asked);
+        let lacking = films.filter(|film| film.amplitude_levels() != [Level::L5, Level::T1]);
+        let films: Vec<String> = lacking.map(|film| format!("{} film", film.posture)).collect();
+        let words = || {
+            let (case, films) = (&analysis.case_id, films.join(", "));
+            format!(
+                "{case}: L5 or T1 is missing, so that --amplitude t1-l5 does not count: {films}"
+            )
+        };
+        (!films.is_empty()).then(|| Notice::new(NoticeKind::Note, words()))
     }
 
     /// Provenance of an output that is made from one case.

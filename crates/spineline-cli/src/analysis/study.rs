@@ -6,7 +6,7 @@ use std::path::Path;
 use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{alike_observers, alike_words};
 use spineline::warning::{Warning, WarningCode, Warnings, counted};
-use spineline_files::parse_case_file;
+use spineline_files::{FileError, parse_case_file};
 use spineline_report::terminal::Lines;
 use spineline_store::{CaseError, Hash, Name, NewCase, Signature, Store, StoreError};
 

@@ -6,11 +6,13 @@ use clap::builder::ValueParser;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueHint};
 use spineline::analysis::AnalysisOptions;
+use spineline::multibody::Support;
 use spineline_files::StoredRotationPrior;
 use spineline_files::method_text::{MethodOption, OPTIONS, OptionError, OptionValues, options_of};
 
 use super::choice::spelling;
 use crate::run::failure::Failure;
+use crate::run::messages::say;
 
 /// Choices of the method: one for each of [`OPTIONS`].
 pub struct MethodArgs {
@@ -82,7 +84,32 @@ impl MethodArgs {
             }
             other => Failure::usage(format!("{other}; {}", other.help())),
         })?;
+        self.check_idle(&options)?;
         Ok((options, files.into_iter().find_map(|file| file.rotation_prior)))
+    }
+
+    /// Whether an option was given, by its name in [`OPTIONS`].
+    pub fn is_given(&self, name: &str) -> bool {
+        self.given.iter().any(|(option, _)| option.name == name)
+    }
+
+    /// Refuses an option that another one leaves without effect, and notes one that the support does.
+    fn check_idle(&self, options: &AnalysisOptions) -> Result<(), Failure> {
+        if self.is_given("inflections") && self.is_given("min_curve") {
+            return Err(Failure::usage(
+                "--min-curve is for inflections that are found, and --inflections sets them by hand; give one of both",
+            ));
+        }
+        let mut rows = options.library.rows().iter();
+        if self.is_given("stiffness")
+            && options.support == Support::Frontal
+            && rows.any(|row| row.axial_per_lateral != 0.0)
+        {
+            say(
+                "note: the coupling of --stiffness counts with --support free only; --support frontal locks axial rotation",
+            );
+        }
+        Ok(())
     }
 
     /// Files that the options name: they are inputs.

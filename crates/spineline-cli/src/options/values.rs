@@ -16,6 +16,17 @@ pub fn threads(text: &str) -> Result<usize, String> {
     }
 }
 
+/// Who makes a change, for the log of a store.
+///
+/// # Errors
+/// If the name is not allowed, or is given to a command without a change.
+pub fn author(by: Option<&str>, has_author: bool) -> Result<Name, Failure> {
+    if by.is_some() && !has_author {
+        return Err(Failure::usage("--by names who makes a change, and this command makes none"));
+    }
+    store_name(by.unwrap_or("cli"))
+}
+
 /// An identifier of a study or of a person in a store.
 ///
 /// # Errors

@@ -233,12 +233,35 @@ fn wrong_options_are_refused_with_the_valid_ones() {
         (["analyze", "x.json", "--gauge", "known-force:sitting=3"], "unknown posture `sitting`"),
         (["analyze", "x.json", "--inflections", "T6"], "two sites"),
         (["analyze", "x.json", "--given-line", "neutral=1,2"], "POSTURE=Y,Z,TILT"),
+        (["analyze", "x.json", "--given-line", "erect=0,0,0"], "erect film has no line"),
+        (["analyze", "x.json", "--given-line", "traction=0,0,720"], "from -180 to 180"),
+        (["analyze", "x.json", "--model-line", "iliac"], "--model"),
+        (["serve", "x.spineline", "--host", "not a host"], "host name"),
+        (["serve", "x.spineline", "--host", ""], "host name"),
+        (["study", "log", "x.spineline", "--by=X"], "makes none"),
+        (["account", "list", "x.spineline", "--by=X"], "makes none"),
         (["analyze", "x.json", "--support", "table"], "frontal"),
         (["phantom", "--subject", "19", "--seed=1"], "1 to 18"),
     ] {
         let error = here.refused(&arguments, 2);
         assert!(error.contains(word), "{word} is missing in {error}");
     }
+}
+
+#[test]
+fn an_option_without_effect_is_refused_or_noted() {
+    let here = with_phantom(&[]);
+    let by_hand = ["analyze", CASE, "--inflections", "L1/T12,T6", "--min-curve", "20"];
+    assert!(here.refused(&by_hand, 2).contains("give one of both"));
+    let coupled = ["analyze", CASE, "--stiffness", "coupled"];
+    for (support, is_noted) in [("frontal", true), ("free", false)] {
+        let error = here.run(&[&coupled[..], &["--support", support]].concat()).1;
+        assert_eq!(error.contains("--support free only"), is_noted, "{error}");
+    }
+    // Phantoms have neither L5 nor T1.
+    let amplitude = ["analyze", CASE, "--amplitude", "t1-l5"];
+    let error = unwrapped(&here.run(&amplitude).1);
+    assert!(error.contains("erect film, left bending film"), "{error}");
 }
 
 #[test]

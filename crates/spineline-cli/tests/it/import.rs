@@ -52,6 +52,29 @@ fn holds(bytes: &[u8], word: &str) -> bool {
 }
 
 #[test]
+fn an_option_that_this_kind_of_import_does_not_use_is_refused() {
+    let here = folder();
+    put(&here, "a.dcm", &film(1));
+    let kinds = [
+        ("a.dcm --case-id A --film erect=1", "--sizes s.csv"),
+        ("a.dcm --case-id A --film erect=1", "--pictures ."),
+        ("a.dcm --case-id A --film erect=1", "--patient-anterior image-left"),
+        ("x --midlines --case-id A", "--invert erect"),
+        ("x --midlines --case-id A", "--reading x=B"),
+        ("x --midlines --case-id A", "--keep-identity"),
+        ("x --midlines --case-id A", "--simultaneous yes"),
+        ("x --aasce --patient-left image-left", "--lateral-landmarks l.csv"),
+        ("x --aasce --patient-left image-left", "--patient-anterior image-left"),
+    ];
+    for (kind, option) in kinds {
+        let line = format!("{kind} --out a {option}");
+        let error = here.import_refused(&split(&line), 2);
+        assert!(error.contains(split(option)[0]), "{line}: {error}");
+        assert!(!here.path("a").exists(), "{line}");
+    }
+}
+
+#[test]
 fn films_become_a_deidentified_case() {
     let here = folder();
     put(&here, "a.dcm", &film(1));

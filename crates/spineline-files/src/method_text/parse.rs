@@ -247,7 +247,14 @@ fn given_line(text: &str) -> Result<(Posture, LineOfAction), String> {
     let (name, rest) = text.split_once('=').ok_or_else(expected)?;
     let numbers: Vec<f64> = rest.split(',').map(number).collect::<Result<_, _>>()?;
     let [y, z, tilt] = numbers[..] else { return Err(expected()) };
-    Ok((posture(name)?, LineOfAction::leaning(Frontal::new(y, z), Angle::from_deg(tilt))))
+    let posture = posture(name)?;
+    if posture == Posture::Erect {
+        return Err("the erect film has no line of action: all others are measured from it; name another film".to_owned());
+    }
+    if !(-180.0..=180.0).contains(&tilt) {
+        return Err(format!("the tilt is {tilt}°, and must be from -180 to 180"));
+    }
+    Ok((posture, LineOfAction::leaning(Frontal::new(y, z), Angle::from_deg(tilt))))
 }
 
 /// `all`, or names of loads with commas between.

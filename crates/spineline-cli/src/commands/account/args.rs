@@ -24,9 +24,9 @@ machine could see. Admins may do everything in every study. Editors and readers 
 pub struct AccountArgs {
     #[command(subcommand)]
     pub command: AccountCommand,
-    /// Your name for the log
-    #[arg(long, global = true, value_name = "NAME", default_value = "cli")]
-    pub by: String,
+    /// Your name for the log, in commands that change the store [default: cli]
+    #[arg(long, global = true, value_name = "NAME")]
+    pub by: Option<String>,
 }
 
 #[derive(Subcommand)]

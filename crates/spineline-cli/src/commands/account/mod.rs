@@ -14,7 +14,7 @@ use spineline_store::{Account, AccountChange, Name, PasswordHash, Signature, Sto
 
 use args::AccountCommand;
 
-use crate::options::values::store_name;
+use crate::options::values::{author, store_name};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, width};
 
@@ -24,11 +24,13 @@ const MAX_INPUT_BYTES: u64 = 4096;
 pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::file(path, &error);
-    if let AccountCommand::List { .. } = args.command {
+    let is_list = matches!(args.command, AccountCommand::List { .. });
+    let author = author(args.by.as_deref(), !is_list)?;
+    if is_list {
         return print(Lines::of_text(&list(&Store::view(path).map_err(fail)?).map_err(fail)?));
     }
     let mut store = Store::open(path).map_err(fail)?;
-    let by = Signature::new(store_name(&args.by)?, SystemTime::now().into());
+    let by = Signature::new(author, SystemTime::now().into());
     match &args.command {
         AccountCommand::Add { name: account, role, password_stdin, .. } => {
             let account = Account { name: store_name(account)?, role: *role, enabled: true };

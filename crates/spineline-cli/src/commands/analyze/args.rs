@@ -71,7 +71,7 @@ pub struct AnalyzeArgs {
     pub model: Option<PathBuf>,
     /// Line of action of the model that `--model` writes. `auto` takes the line with the smallest error on films that were not fitted,
     /// among the lines that take one number from each film. If no line predicts a film, it takes the first line with a result
-    #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = AUTO)]
+    #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = AUTO, requires = "model")]
     pub model_line: ModelLine,
     /// Print all tables after the answers
     #[arg(long)]

@@ -98,6 +98,7 @@ impl<'a> Kept<'a> {
                 print_notices(&warnings(analysis));
             }
             self.warnings.add(analysis);
+            print_notices(self.asked.record.amplitude_note(analysis).as_slice());
             print_notices(confidence.interruption(analysis).as_slice());
         }
         self.patients.extend(one.patient.take());

@@ -157,6 +157,36 @@ impl ImportArgs {
         all.find(|(of, _)| *of == posture).map(|(_, calibration)| *calibration)
     }
 
+    /// Refuses options that this kind of import does not use. It looks at all of them, because clap drops a requirement where another
+    /// option conflicts with what is required.
+    pub fn check_kind(&self) -> Result<(), Failure> {
+        let of_films = [
+            ("--patient-anterior", self.patient_anterior.is_some()),
+            ("--simultaneous", self.simultaneous.is_some()),
+            ("--spacing", !self.spacing.is_empty()),
+            ("--ball", !self.ball.is_empty()),
+            ("--ruler", !self.ruler.is_empty()),
+            ("--reading", !self.reading.is_empty()),
+            ("--lateral-landmarks", !self.lateral_landmarks.is_empty()),
+            ("--invert", !self.invert.is_empty()),
+            ("--accept", self.accept),
+            ("--keep-identity", self.keep_identity),
+            ("--keep-characteristics", self.keep_characteristics),
+            ("--secret", self.secret.is_some()),
+        ];
+        let of_aasce = [("--sizes", self.sizes.is_some()), ("--pictures", self.pictures.is_some())];
+        let (idle, kind) = match (self.aasce, self.midlines) {
+            (true, _) => (of_films.to_vec(), "--aasce"),
+            (false, true) => ([&of_films[..], &of_aasce].concat(), "--midlines"),
+            (false, false) => (of_aasce.to_vec(), "films"),
+        };
+        let idle: Vec<&str> = idle.iter().filter(|one| one.1).map(|one| one.0).collect();
+        if idle.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::usage(format!("an import of {kind} does not use {}", idle.join(" and "))))
+    }
+
     /// Refuses two answers to one question.
     pub fn check_answers(&self) -> Result<(), Failure> {
         let twice = |option: &str, postures: &[Option<Posture>]| {
@@ -202,7 +232,13 @@ impl ImportArgs {
     }
 
     /// Refuses answers about a film that was not chosen.
-    pub fn check_postures(&self, chosen: &[Posture]) -> Result<(), Failure> {
+    pub fn check_chosen(&self, views: &[FilmView]) -> Result<(), Failure> {
+        if self.patient_anterior.is_some() && !views.contains(&FilmView::Lateral) {
+            return Err(Failure::usage(
+                "--patient-anterior is about the lateral film, which was not chosen: add --lateral FILM",
+            ));
+        }
+        let chosen: Vec<Posture> = views.iter().filter_map(|view| view.posture()).collect();
         let sides = self.patient_left.iter().filter_map(|o| o.posture);
         let spacings = self.spacing.iter().filter_map(|o| o.posture);
         let scales = self.ball.iter().chain(&self.ruler).map(|(posture, _)| *posture);

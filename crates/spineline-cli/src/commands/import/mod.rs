@@ -29,6 +29,7 @@ use crate::run::messages::say;
 use crate::run::outputs::print;
 
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
+    args.check_kind()?;
     if args.aasce {
         return aasce::run(args);
     }
@@ -59,7 +60,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         .map(|&(view, index)| Ok(ChosenFilm { view, index, seen: candidates.seen(index)? }))
         .collect::<Result<Vec<_>, Failure>>()?;
     check_films(&seen)?;
-    args.check_postures(&chosen.iter().filter_map(|(view, _)| view.posture()).collect::<Vec<_>>())?;
+    args.check_chosen(&chosen.iter().map(|(view, _)| *view).collect::<Vec<_>>())?;
     let mut films = resolve_all(args, &seen, ask)?;
     if let Some(first) = films.first_mut() {
         first.notes.extend(same_identifier(&seen));

@@ -31,6 +31,8 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
         Members::analyze(paths, &record, args.threads)?;
     let subjects: Vec<Subject> = sources.iter().map(|(_, one)| one.case.subject.clone()).collect();
     print_notices(&read.warnings());
+    let notes = analyses.iter().filter_map(|analysis| record.amplitude_note(analysis));
+    print_notices(&notes.collect::<Vec<_>>());
     read.ids().iter().for_each(|id| outputs.of_case(id));
     let pairs: Vec<_> = analyses.iter().zip(&sources).collect();
     let files = map_all("writing", &pairs, args.threads, |(analysis, (_, source))| {

@@ -33,6 +33,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
         return Err(Failure::interrupted());
     }
     print_notices(confidence.interruption(&analysis).as_slice());
+    print_notices(record.amplitude_note(&analysis).as_slice());
     let (pictures, reasons) = films::pictures(path, file, case, args.threads)?;
     let note = |why: &String| Notice::new(NoticeKind::Note, format!("{}.", sentence_case(why)));
     let hidden: Vec<Notice> = reasons.iter().map(note).collect();

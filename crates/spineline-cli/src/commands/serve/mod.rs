@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::Args;
-use spineline_server::{ServeLimits, ServeOptions, Server};
+use spineline_server::{ServeLimits, ServeOptions, Server, is_host};
 use spineline_store::{Access, Name, Role, Signature, Store, wider_permissions};
 
 use crate::analysis::study::{add_case, compare_case};
@@ -56,7 +56,7 @@ pub struct ServeArgs {
     bind: IpAddr,
 
     /// Host name in the browser's address, beside the address itself and `localhost`; may be repeated
-    #[arg(long = "host", value_name = "NAME")]
+    #[arg(long = "host", value_name = "NAME", value_parser = host)]
     hosts: Vec<String>,
 
     /// Require accounts and passwords on this machine too
@@ -69,6 +69,11 @@ pub struct ServeArgs {
 
     #[command(flatten)]
     archives: ArchiveArgs,
+}
+
+fn host(text: &str) -> Result<String, String> {
+    let expected = || "expected a host name as browsers send it, such as spine.clinic.example";
+    if is_host(text) { Ok(text.to_owned()) } else { Err(expected().to_owned()) }
 }
 
 pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
@@ -122,7 +127,7 @@ fn open_beside(args: &ServeArgs, case: &Path) -> Result<Store, Failure> {
     }
     let is_new = !args.store.exists();
     let mut store = open(args)?;
-    let studies = store.studies().map_err(|error| Failure::store(&args.store, &error))?;
+    let studies = store.studies().map_err(|error| Failure::file(&args.store, &error))?;
     if studies.is_empty() {
         if let Err(failure) = add_study(args, &mut store, case) {
             // Removes a store whose only study cannot be made.

@@ -29,9 +29,9 @@ Examples:
 pub struct StudyArgs {
     #[command(subcommand)]
     pub command: StudyCommand,
-    /// Your code for the log; not a patient's name
-    #[arg(long, global = true, value_name = "NAME", default_value = "cli")]
-    pub by: String,
+    /// Your code for the log, in commands that change the store; not a patient's name [default: cli]
+    #[arg(long, global = true, value_name = "NAME")]
+    pub by: Option<String>,
 }
 
 #[derive(Subcommand)]
@@ -187,6 +187,27 @@ pub enum StudyCommand {
 }
 
 impl StudyCommand {
+    /// Whether it changes the store, and its log names an author.
+    pub const fn has_author(&self) -> bool {
+        match self {
+            Self::Create { .. }
+            | Self::Add { .. }
+            | Self::Plan { .. }
+            | Self::Release { .. }
+            | Self::Withdraw { .. }
+            | Self::Correct { .. }
+            | Self::Rename { .. }
+            | Self::Archive { .. } => true,
+            Self::List { .. }
+            | Self::Next { .. }
+            | Self::Export { .. }
+            | Self::Log { .. }
+            | Self::Verify { .. }
+            | Self::Backup { .. }
+            | Self::Restore { .. } => false,
+        }
+    }
+
     pub fn store(&self) -> &Path {
         match self {
             Self::Create { store }

@@ -20,7 +20,7 @@ use spineline_store::{
 use args::StudyCommand;
 
 use crate::analysis::study::add_case;
-use crate::options::values::store_name;
+use crate::options::values::{author, store_name};
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
 use crate::run::messages::say;
@@ -29,17 +29,18 @@ use crate::run::outputs::{Outputs, print, width};
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::file(path, &error);
-    let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, SystemTime::now().into()));
+    let author = author(args.by.as_deref(), args.command.has_author())?;
+    let by = || Signature::new(author.clone(), SystemTime::now().into());
     match &args.command {
         StudyCommand::Create { .. } => {
             interrupt::begin_writing();
-            Store::create(path, &by()?).map_err(fail)?;
+            Store::create(path, &by()).map_err(fail)?;
             print(format!("{} was created as an empty store.", path.display()))
         }
         StudyCommand::Add { cases, accept, .. } => {
             let mut store = Store::open(path).map_err(fail)?;
             for case in cases {
-                print(add_case(&mut store, fail, case, *accept, &by()?)?)?;
+                print(add_case(&mut store, fail, case, *accept, &by())?)?;
             }
             Ok(Ending::Done)
         }
@@ -50,19 +51,19 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         StudyCommand::Plan { study, observers, repeats, washout_days, proposals, .. } => {
             let (repeats, washout_days) = (*repeats, *washout_days);
             let design = PlanDesign { repeats, washout_days, proposals: *proposals };
-            plan(path, study, observers, design, &by()?)
+            plan(path, study, observers, design, &by())
         }
         StudyCommand::Next { study, observer, .. } => next(path, study, observer),
-        StudyCommand::Release { study, .. } => release(path, study, &by()?),
+        StudyCommand::Release { study, .. } => release(path, study, &by()),
         StudyCommand::Withdraw { reading, reason, .. } => {
-            edits::withdraw(path, *reading, reason, &by()?)
+            edits::withdraw(path, *reading, reason, &by())
         }
-        StudyCommand::Correct { reading, .. } => edits::correct(path, *reading, &by()?),
+        StudyCommand::Correct { reading, .. } => edits::correct(path, *reading, &by()),
         StudyCommand::Rename { study, label, .. } => {
-            edits::edit(path, study, &StudyEdit::Label { label: Some(label.clone()) }, &by()?)
+            edits::edit(path, study, &StudyEdit::Label { label: Some(label.clone()) }, &by())
         }
         StudyCommand::Archive { study, undo, .. } => {
-            edits::edit(path, study, &StudyEdit::Archived { archived: !undo }, &by()?)
+            edits::edit(path, study, &StudyEdit::Archived { archived: !undo }, &by())
         }
         StudyCommand::Export { study, out, overwrite, .. } => {
             export(path, study, out, Outputs::new(*overwrite, [path]))
