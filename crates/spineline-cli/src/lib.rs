@@ -10,9 +10,10 @@ mod commands;
 mod options;
 mod run;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{Arg, CommandFactory, FromArgMatches};
 use spineline_report::terminal::{Lines, shown};
 
 use commands::{Cli, Command};
@@ -33,8 +34,24 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Reads the command line.
+fn parse(words: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Result<Cli, clap::Error> {
+    let mut command = with_negative_numbers(Cli::command());
+    let mut matches = command.try_get_matches_from_mut(words)?;
+    Cli::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
+}
+
+/// Lets every option take a negative number, so that it says its own limits, and not that `-1` is an unknown option.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    let option = |arg: Arg| {
+        let takes = arg.get_action().takes_values() && !arg.is_positional();
+        arg.allow_negative_numbers(takes)
+    };
+    command.mut_args(option).mut_subcommands(with_negative_numbers)
+}
+
 fn run() -> Result<Ending, Failure> {
-    let command = match Cli::try_parse() {
+    let command = match parse(std::env::args_os()) {
         Ok(line) => {
             provenance::keep_full_paths(line.full_paths);
             line.command
@@ -60,7 +77,7 @@ fn refuse(words: clap::Error) -> ! {
     if given == plain {
         suggestions::near_only(words).exit();
     }
-    match Cli::try_parse_from(given) {
+    match parse(given) {
         Err(words) if words.use_stderr() => suggestions::near_only(words).exit(),
         _ => {
             say(Lines::of_text(&words.render().to_string()));

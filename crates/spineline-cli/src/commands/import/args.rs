@@ -75,7 +75,7 @@ pub struct ImportArgs {
     /// Pixel spacing of columns and rows in mm and its plane, where the file has none or is wrong, as in
     /// 0.143,0.143,patient or erect=0.1,0.2,detector. With the plane `pixels` the width and height of a pixel are relative, as in
     /// 1,2,pixels: for angles without lengths; may be repeated
-    #[arg(long, value_name = "[POSTURE=]COLUMN,ROW,PLANE", value_parser = spacing_of_film)]
+    #[arg(long, value_name = "[POSTURE=]COLUMN,ROW,PLANE", value_parser = spacing_of_film, allow_hyphen_values = true)]
     pub spacing: Vec<OfFilm<Spacing>>,
     /// Calibration ball in the picture: two pixels at opposite ends of a diameter, and the diameter in mm, optionally with its
     /// standard deviation, as in erect=212,400,337,400,25 or erect=212,400,337,400,25+-0.1; may be repeated
