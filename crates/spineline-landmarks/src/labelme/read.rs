@@ -161,6 +161,14 @@ fn corners_of(
     patient_left: ImageSide,
     at: &str,
 ) -> Result<[Pixel; 4], LandmarkError> {
+    if is_crossed(&points) {
+        return Err(LandmarkError::Ambiguous {
+            at: at.to_owned(),
+            reason: "two of its sides cross, so which points are neighbours is not certain"
+                .to_owned(),
+            help: "draw its points in order around the body",
+        });
+    }
     let height = |i: usize| points[i].row_px + points[(i + 1) % 4].row_px;
     let top = (0..4).min_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap_or(0);
     let turned = |i: usize| points[(top + i) % 4];
@@ -184,4 +192,14 @@ fn corners_of(
     let [upper_left, upper_right] = ordered(turned(0), turned(1));
     let [lower_left, lower_right] = ordered(turned(2), turned(3));
     Ok(from_image_sides([upper_left, upper_right, lower_left, lower_right], patient_left).points())
+}
+
+/// Whether two sides cross: then the outline turns twice to the left and twice to the right.
+fn is_crossed(points: &[Pixel; 4]) -> bool {
+    let turns = (0..4).map(|i| {
+        let [a, b, c] = [points[i], points[(i + 1) % 4], points[(i + 2) % 4]];
+        (b.column_px - a.column_px) * (c.row_px - b.row_px)
+            - (b.row_px - a.row_px) * (c.column_px - b.column_px)
+    });
+    turns.clone().filter(|turn| *turn > 0.0).count() == 2 && turns.filter(|t| *t < 0.0).count() == 2
 }

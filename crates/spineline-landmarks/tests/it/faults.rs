@@ -381,6 +381,20 @@ fn a_labelme_quadrilateral_with_large_tilt_or_without_area_is_refused() {
 }
 
 #[test]
+fn a_labelme_quadrilateral_whose_sides_cross_is_refused_and_not_reordered() {
+    let [a, b, c, d] = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
+    for crossed in [[a, b, d, c], [a, c, b, d]] {
+        for start in 0..4 {
+            let mut turned = crossed;
+            turned.rotate_left(start);
+            let error = parse_labelme(labelme(&polygon(turned)).as_bytes(), &hint());
+            let text = error.expect_err("crossed").to_string();
+            assert!(text.contains("shapes[0] `T5`") && text.contains("sides cross"), "{text}");
+        }
+    }
+}
+
+#[test]
 fn the_picture_named_in_a_file_is_that_of_the_film() {
     let upright = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
     let mut file = parse_labelme(labelme(&polygon(upright)).as_bytes(), &hint()).expect("a body");
