@@ -11,6 +11,7 @@ use super::{LandmarkError, LandmarkHint};
 
 /// The parts that a file states.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Identity {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub film: Option<String>,

@@ -169,7 +169,7 @@ fn gather(
             *place = coordinate(value * unit_mm, &at)? * sign;
         }
         list.points.insert(name, lps, &at)?;
-        let about = own_description(point).and_then(|about| about.origin);
+        let about = own_description(point, &at)?.and_then(|about| about.origin);
         list.points.set_origin(name, about.map(|key| origin(&key, &at)).transpose()?);
     }
     Ok(())
@@ -236,25 +236,30 @@ fn unit_mm(markup: &Markup, at: &str) -> Result<f64, LandmarkError> {
     }
 }
 
-/// The description of a point by this program: other texts belong to the user.
-fn own_description(point: &ControlPoint) -> Option<Description> {
-    serde_json::from_str(&point.description).ok()
+/// The description of a point by this program; texts without its key `spineline` belong to the user.
+fn own_description(point: &ControlPoint, at: &str) -> Result<Option<Description>, LandmarkError> {
+    let text = point.description.trim();
+    if !(text.starts_with('{') && text.contains("\"spineline\"")) {
+        return Ok(None);
+    }
+    let about = serde_json::from_str::<Description>(text).ok();
+    match about.filter(|about| about.spineline == 1 && about.repeat > 0) {
+        Some(about) => Ok(Some(about)),
+        None => Err(LandmarkError::Value {
+            at: format!("{at}, `{}`, description", shown(&point.label)),
+            value: shown(text),
+            expected: "a description of version 1: film, observer, repeat from 1, and frame `image` or `patient`",
+        }),
+    }
 }
 
 /// The common description of a list's points by this program; points added in Slicer lack it.
 fn description(markup: &Markup, at: &str) -> Result<Option<Description>, LandmarkError> {
     let mut found: Option<Description> = None;
     for point in &markup.control_points {
-        let Some(about) = own_description(point) else { continue };
+        let Some(about) = own_description(point, at)? else { continue };
         // The origin differs between points.
         let about = Description { origin: None, ..about };
-        if about.spineline != 1 || about.repeat == 0 {
-            return Err(LandmarkError::Value {
-                at: format!("{at}, `{}`, description", shown(&point.label)),
-                value: shown(&point.description),
-                expected: "a description of version 1 with a repeat from 1",
-            });
-        }
         if found.as_ref().is_some_and(|first| *first != about) {
             return Err(LandmarkError::Ambiguous {
                 at: at.to_owned(),

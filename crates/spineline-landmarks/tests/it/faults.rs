@@ -337,6 +337,38 @@ fn unnamed_repeated_missing_and_unplaced_points_of_slicer_are_reported() {
     }
 }
 
+#[test]
+fn a_description_by_this_program_that_cannot_be_used_is_refused_on_a_single_point_too() {
+    let hint = LandmarkHint { image: Some(image()), ..hint() };
+    let described = |text: &str| {
+        let own = format!(r#"{{"description":{},"label":"T5 SL""#, serde_json::json!(text));
+        slicer(&body([0.0; 4]).replacen(r#"{"label":"T5 SL""#, &own, 1))
+    };
+    let right = r#"{"spineline":1,"film":"erect","observer":"B","repeat":2,"frame":"image"}"#;
+    for text in [right, "a note of the user", r#"{"note":1}"#, "[1]"] {
+        parse_slicer(described(text).as_bytes(), &hint).expect(text);
+    }
+    for wrong in [
+        r#"{"spineline":2}"#,
+        &right.replace("\"image\"", "\"detector\""),
+        &right.replace(":1,", ":99,"),
+        &right.replace(":2,", ":0,"),
+        &right.replace("film", "flim"),
+        &right[..30],
+    ] {
+        let error = parse_slicer(described(wrong).as_bytes(), &hint).expect_err(wrong).to_string();
+        assert!(error.contains("`T5 SL`, description") && error.contains("version 1"), "{error}");
+    }
+}
+
+#[test]
+fn an_unknown_key_of_film_and_reading_is_refused_and_not_replaced_by_a_default() {
+    let ring = [[10.5, 5.5], [50.5, 7.5], [52.5, 30.5], [12.5, 29.5]];
+    let text = labelme(&polygon(ring)).replacen('{', r#"{"spineline":{"observr":"B"},"#, 1);
+    let error = parse_labelme(text.as_bytes(), &hint()).expect_err("a typo").to_string();
+    assert!(error.contains("unknown key `observr`"), "{error}");
+}
+
 fn labelme(shapes: &str) -> String {
     format!(
         r#"{{"version":"5.0","imagePath":"a.png","imageWidth":1000,"imageHeight":2000,"shapes":[{shapes}]}}"#
