@@ -1,11 +1,11 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use spineline::measure::{CornerName, Reading, ReadingId};
+use spineline::measure::{CornerName, Origin, Reading, ReadingId};
 use spineline::spatial::Pixel;
 
-use super::Origins;
-use crate::film::{Points, merge_crests, pixel};
+use super::origin_key;
+use crate::film::{Points, merge_crests, origin, pixel};
 use crate::identity::Identity;
 use crate::json::parse_foreign;
 use crate::names::{PointName, parse_corner, parse_level, shown};
@@ -161,12 +161,6 @@ impl Annotation {
         if let Some(scores) = self.keypoint_scores.as_ref().filter(|s| s.len() != names.len()) {
             return Err(count(scores.len(), "keypoint_scores"));
         }
-        // Attributes of other programs are ignored.
-        let origins: Origins = self
-            .attributes
-            .as_ref()
-            .and_then(|found| serde_json::from_value(found.clone()).ok())
-            .unwrap_or_default();
         for (place, (name, values)) in names.iter().zip(keypoints.chunks_exact(3)).enumerate() {
             let at = format!("{at}, `{name}`");
             let Loose(visibility) = values[2];
@@ -185,9 +179,19 @@ impl Annotation {
             points.insert(*name, pixel(column, row, &at)?, &at)?;
             let score = self.keypoint_scores.as_ref().and_then(|scores| scores[place].0);
             points.set_confidence(*name, score.or(self.score.0), &at)?;
-            points.set_origin(*name, origins.of(*name, &at)?);
+            points.set_origin(*name, self.origin_of(*name, &at)?);
         }
         Ok(())
+    }
+
+    /// The origin of a keypoint, if stated; attributes of other programs are ignored.
+    fn origin_of(&self, name: PointName, at: &str) -> Result<Option<Origin>, LandmarkError> {
+        let PointName::Corner(_, corner) = name else { return Ok(None) };
+        let found = self.attributes.as_ref().and_then(|all| all.get(origin_key(corner)));
+        let text = |value: &serde_json::Value| {
+            value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+        };
+        found.filter(|value| !value.is_null()).map(|value| origin(&text(value), at)).transpose()
     }
 }
 

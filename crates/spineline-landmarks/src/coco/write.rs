@@ -3,7 +3,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::{CornerName, IliacCrests, ImageGeometry, Reading, VertebraLandmarks};
 use spineline::spatial::Pixel;
 
-use super::Origins;
+use super::origin_key;
 use crate::film::stated_origins;
 use crate::identity::Identity;
 use crate::names::{CREST_LEFT, CREST_RIGHT};
@@ -51,7 +51,7 @@ struct Annotation {
     area: f64,
     iscrowd: u8,
     #[serde(skip_serializing_if = "Option::is_none")]
-    attributes: Option<Origins>,
+    attributes: Option<serde_json::Map<String, serde_json::Value>>,
     spineline: Identity,
 }
 
@@ -76,7 +76,10 @@ pub fn write(films: Vec<CocoFilm<'_>>) -> String {
                 let id = annotations.len() + 1;
                 annotations.push(Annotation {
                     keypoint_scores: landmark.confidence.map(|corners| corners.points()),
-                    attributes: stated_origins(landmark).map(Origins::from),
+                    attributes: stated_origins(landmark).map(|origins| {
+                        let keys = origins.map(|origin| serde_json::Value::from(origin.key()));
+                        CornerName::ALL.map(origin_key).into_iter().zip(keys).collect()
+                    }),
                     ..Annotation::new(id, image_id, category(level), &points, identity)
                 });
             }

@@ -15,12 +15,8 @@ mod write;
 pub use read::parse_labelme;
 pub(super) use write::write;
 
-use spineline::measure::Origin;
-
 /// labelme counts from the corner of the first pixel, and Spineline from its centre.
 const HALF_PIXEL: f64 = 0.5;
 
-/// The flag of a point for its origin.
-fn flag(origin: Origin) -> String {
-    format!("origin_{}", origin.key())
-}
+/// The start of a point's flag for its origin.
+const FLAG: &str = "origin_";

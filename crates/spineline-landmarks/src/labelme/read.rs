@@ -6,9 +6,9 @@ use spineline::measure::{CornerName, Origin, Reading};
 use spineline::number::fixed;
 use spineline::spatial::{Angle, Pixel};
 
-use super::{HALF_PIXEL, flag};
+use super::{FLAG, HALF_PIXEL};
 use crate::error::{CORRECT, GIVE_SIDE};
-use crate::film::{Points, from_image_sides, pixel};
+use crate::film::{Points, from_image_sides, origin, pixel};
 use crate::identity::Identity;
 use crate::json::parse_foreign;
 use crate::names::{PointName, parse_level, shown};
@@ -108,11 +108,9 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
 
 /// The origin by a shape's flags; other flags belong to the user.
 fn origin_of(shape: &Shape, at: &str) -> Result<Option<Origin>, LandmarkError> {
-    let set = |origin: &Origin| {
-        let flags = shape.flags.as_ref();
-        flags.is_some_and(|flags| flags.get(&flag(*origin)).copied().unwrap_or(false))
-    };
-    let found: Vec<Origin> = Origin::ALL.into_iter().filter(set).collect();
+    let set = shape.flags.iter().flatten().filter(|(_, is_set)| **is_set);
+    let keys = set.filter_map(|(flag, _)| flag.strip_prefix(FLAG));
+    let found = keys.map(|key| origin(key, at)).collect::<Result<Vec<Origin>, _>>()?;
     match found[..] {
         [] => Ok(None),
         [one] => Ok(Some(one)),

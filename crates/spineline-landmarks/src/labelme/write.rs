@@ -7,7 +7,7 @@ use spineline::measure::{
 };
 use spineline::spatial::Pixel;
 
-use super::{HALF_PIXEL, flag};
+use super::{FLAG, HALF_PIXEL};
 use crate::film::stated_origins;
 use crate::identity::Identity;
 use crate::names::PointName;
@@ -90,7 +90,7 @@ impl Shape {
             points: [[point.column_px + HALF_PIXEL, point.row_px + HALF_PIXEL]],
             group_id: None,
             shape_type: "point",
-            flags: origin.into_iter().map(|origin| (flag(origin), true)).collect(),
+            flags: origin.iter().map(|origin| (format!("{FLAG}{}", origin.key()), true)).collect(),
             score,
         }
     }

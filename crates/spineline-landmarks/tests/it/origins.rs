@@ -100,14 +100,32 @@ fn what_says_how_uncertain_proposals_are_is_left_out_of_all_but_tables() {
 }
 
 #[test]
-fn an_unknown_origin_is_reported_with_all_names() {
-    let files = export_landmarks(&proposed(), None, LandmarkTarget::Csv).expect("a table");
-    let text = String::from_utf8(files[0].bytes.clone()).expect("UTF-8");
-    let text = text.replacen("accepted", "acepted", 1);
-    let error = parse_landmarks(text.as_bytes(), &LandmarkHint::default()).expect_err("a typo");
-    let LandmarkError::Choice { what: "origin", name, known, .. } = error.cause() else {
-        panic!("{error}")
-    };
-    assert_eq!(name, "acepted");
-    assert_eq!(known[..], ["clicked", "completed", "detected", "accepted", "adjusted"]);
+fn an_unknown_origin_is_reported_with_all_names_in_every_format() {
+    let (case, none) = (proposed(), BTreeMap::new());
+    for target in [
+        LandmarkTarget::Csv,
+        LandmarkTarget::Slicer,
+        LandmarkTarget::Labelme { pictures: &none },
+        LandmarkTarget::Coco { pictures: &none },
+    ] {
+        let files = export_landmarks(&case, None, target).expect("files");
+        let text = String::from_utf8(files[0].bytes.clone()).expect("UTF-8");
+        let text = text.replacen("accepted", "acepted", 1);
+        let error = parse_landmarks(text.as_bytes(), &LandmarkHint::default()).expect_err("a typo");
+        let LandmarkError::Choice { what: "origin", name, known, .. } = error.cause() else {
+            panic!("{target:?}: {error}")
+        };
+        assert_eq!(name, "acepted");
+        assert_eq!(known[..], ["clicked", "completed", "detected", "accepted", "adjusted"]);
+    }
+}
+
+#[test]
+fn an_origin_that_is_not_a_text_is_refused_and_does_not_count_as_clicked() {
+    let (case, none) = (proposed(), BTreeMap::new());
+    let files = export_landmarks(&case, None, LandmarkTarget::Coco { pictures: &none });
+    let text = String::from_utf8(files.expect("a dataset").remove(0).bytes).expect("UTF-8");
+    let text = text.replacen("\"completed\"", "1", 1);
+    let error = parse_landmarks(text.as_bytes(), &LandmarkHint::default()).expect_err("a number");
+    assert!(matches!(error, LandmarkError::Choice { what: "origin", .. }), "{error}");
 }
