@@ -1,10 +1,11 @@
 //! The reliability of readings as a document: one row per quantity, or all statistics of every quantity and design.
 
+use spineline::measure::alike_remark;
 use spineline::reliability::{
-    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, StatisticKind,
-    shown_measure,
+    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, Statistic, StatisticKind,
+    Undefined, shown_measure,
 };
-use spineline::warning::counted;
+use spineline::warning::{counted, first_named};
 
 use crate::document::{Column, Document, Notice, NoticeKind, Section, Table};
 use crate::phrases::none;
@@ -17,16 +18,10 @@ pub(crate) const NOTE: &str = "SEM, MDC95 and limits of agreement describe the r
 pub fn summary(found: &[QuantityReliability], synthetic: bool, generator: &str) -> Document {
     let mut section = Section::new("reliability", "");
     section.table(in_short(found));
-    if section.blocks.is_empty() {
-        let mut compared =
-            found.iter().flat_map(|one| &one.designs).filter(|design| design.raters.len() > 1);
-        let reason = compared.find_map(|design| design.statistics.first()?.outcome.err());
-        section.paragraph(reason.map_or_else(
-            || "No quantity was read twice: its reliability is not known.".to_owned(),
-            |reason| format!("The reliability is not known: {reason}."),
-        ));
+    if section.blocks.is_empty() && found.iter().all(|quantity| why_unknown(quantity).is_none()) {
+        section.paragraph("No quantity was read twice: its reliability is not known.");
     }
-    note_copies(&mut section, found);
+    note_readings(&mut section, found);
     section.paragraph("All statistics and designs: --full.");
     document(section, found.len(), synthetic, generator)
 }
@@ -41,7 +36,9 @@ pub fn full(found: &[QuantityReliability], synthetic: bool, generator: &str) -> 
             add_design(&mut section, design, &quantity.unit);
         }
     }
-    note_copies(&mut section, found);
+    for note in common_notes(found) {
+        section.notice(warning("", note));
+    }
     section.notice(Notice::new(NoticeKind::Note, NOTE));
     document(section, found.len(), synthetic, generator)
 }
@@ -55,27 +52,14 @@ fn document(section: Section, quantities: usize, synthetic: bool, generator: &st
 
 /// One row per quantity, by single readings of the observers, or else by the repeats of one.
 pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
-    let of = |design: &DesignReliability, kind| {
-        let mut all = design.statistics.iter();
-        let (value, interval) = all.find(|one| one.kind == kind)?.shown();
-        value.map(|value| (value, interval))
-    };
-    let with_interval = |design: &DesignReliability, kind| match of(design, kind) {
+    let with_interval = |design: &DesignReliability, kind| match shown_value(design, kind) {
         Some((value, interval)) => format!("{value} ({interval})"),
         None => none(),
     };
-    let value =
-        |design: &DesignReliability, kind| of(design, kind).map_or_else(none, |(value, _)| value);
-    let rank = |design: &&DesignReliability| match design.design {
-        Design::InterObserverSingle { .. } => 0,
-        Design::InterObserverMeans => 1,
-        Design::IntraObserver { .. } => 2,
+    let value = |design: &DesignReliability, kind| {
+        shown_value(design, kind).map_or_else(none, |(value, _)| value)
     };
-    let sem = StatisticKind::SemAgreement;
-    let rows = found.iter().filter_map(|quantity| {
-        let known = quantity.designs.iter().filter(|design| of(design, sem).is_some());
-        Some((quantity, known.min_by_key(rank)?))
-    });
+    let rows = found.iter().filter_map(|quantity| Some((quantity, short_design(quantity)?)));
     let mut table = Table::of("Reliability of one reading", rows, |add| {
         add.words("Quantity", |(quantity, _)| {
             format!("{} ({})", quantity.key.replace('_', " "), quantity.unit)
@@ -86,7 +70,7 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
             Design::IntraObserver { observer } => format!("repeats of {observer}"),
         });
         add.numbers("Subjects", |(_, design)| design.subjects.to_string());
-        add.words("SEM (95 %)", |(_, design)| with_interval(design, sem));
+        add.words("SEM (95 %)", |(_, design)| with_interval(design, StatisticKind::SemAgreement));
         add.numbers("MDC95", |(_, design)| value(design, StatisticKind::Mdc95Agreement));
         add.words("ICC(A,1) (95 %)", |(_, design)| {
             with_interval(design, StatisticKind::IccAgreement)
@@ -101,16 +85,72 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
     table
 }
 
+/// A statistic with its interval, where it is known.
+fn shown_value(design: &DesignReliability, kind: StatisticKind) -> Option<(String, String)> {
+    let (value, interval) = design.statistics.iter().find(|one| one.kind == kind)?.shown();
+    value.map(|value| (value, interval))
+}
+
+/// The design of a quantity in the summary, if its error is known: single readings of the observers, or else their means or the repeats of one.
+fn short_design(quantity: &QuantityReliability) -> Option<&DesignReliability> {
+    let is_known =
+        |design: &&DesignReliability| shown_value(design, StatisticKind::SemAgreement).is_some();
+    quantity.designs.iter().filter(is_known).min_by_key(|design| match design.design {
+        Design::InterObserverSingle { .. } => 0,
+        Design::InterObserverMeans => 1,
+        Design::IntraObserver { .. } => 2,
+    })
+}
+
+/// Why the error of a quantity is not known although it was read more than once.
+fn why_unknown(quantity: &QuantityReliability) -> Option<Undefined> {
+    let mut compared = quantity.designs.iter().filter(|design| design.raters.len() > 1);
+    compared.find_map(|design| design.statistics.first()?.outcome.err())
+}
+
 fn remarks_of(found: &[QuantityReliability]) -> impl Iterator<Item = &Remark> {
     found.iter().flat_map(|one| &one.designs).flat_map(|one| &one.remarks)
 }
 
-/// Names the readings that are copies of others: the numbers lack them, and may be missing for this reason.
-pub(crate) fn note_copies(section: &mut Section, found: &[QuantityReliability]) {
+/// Notes on all quantities: readings that are copies of others, which the numbers lack, and names of quantities that may be one.
+fn common_notes(found: &[QuantityReliability]) -> Vec<String> {
     let copied = remarks_of(found).find(|remark| matches!(remark, Remark::Copied { .. }));
-    if let Some(copied) = copied {
-        section.notice(Notice::new(NoticeKind::Warning, format!("{copied}.")));
+    let alike = alike_remark("quantities", found.iter().map(|quantity| quantity.key.as_str()));
+    copied.map(Remark::to_string).into_iter().chain(alike).collect()
+}
+
+/// Notes on the readings behind a summary: also names of observers and subjects that may be one, subjects that are left out, and
+/// quantities without a result. Quantities with the same note share it.
+pub(crate) fn note_readings(section: &mut Section, found: &[QuantityReliability]) {
+    let mut notes: Vec<(String, Vec<&str>)> =
+        common_notes(found).into_iter().map(|note| (note, Vec::new())).collect();
+    let is_alike = |remark: &&Remark| {
+        matches!(remark, Remark::AlikeNames { .. } | Remark::AlikeSubjects { .. })
+    };
+    let all = remarks_of(found).filter(is_alike).map(|remark| (remark.to_string(), None));
+    let own = found.iter().flat_map(|quantity| {
+        let design = short_design(quantity);
+        let remarks = design.into_iter().flat_map(|design| &design.remarks);
+        let dropped = remarks.filter(|remark| matches!(remark, Remark::Dropped { .. }));
+        let unknown = why_unknown(quantity).filter(|_| design.is_none());
+        let unknown = unknown.map(|reason| format!("the reliability is not known: {reason}"));
+        let texts = dropped.map(Remark::to_string).chain(unknown);
+        texts.map(move |text| (text, Some(quantity.key.as_str())))
+    });
+    for (text, quantity) in all.chain(own) {
+        match notes.iter_mut().find(|(own, _)| *own == text) {
+            Some((_, quantities)) => quantities.extend(quantity),
+            None => notes.push((text, quantity.into_iter().collect())),
+        }
     }
+    for (text, of) in notes {
+        let place = first_named(of.iter().map(|&key| key.to_owned()), of.len());
+        section.notice(warning(place, text));
+    }
+}
+
+fn warning(place: impl Into<String>, text: String) -> Notice {
+    Notice { place: place.into(), ..Notice::new(NoticeKind::Warning, text + ".") }
 }
 
 fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {

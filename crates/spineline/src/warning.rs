@@ -15,10 +15,11 @@ pub fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, noun: &str
 }
 
 /// Most names in a sentence.
-const NAMED: usize = 8;
+pub(crate) const NAMED: usize = 8;
 
 /// The first names, and how many more there are.
-pub(crate) fn first_named(names: impl Iterator<Item = String>, count: usize) -> String {
+#[must_use]
+pub fn first_named(names: impl Iterator<Item = String>, count: usize) -> String {
     let mut named: Vec<String> = names.take(NAMED).collect();
     let more = count.saturating_sub(named.len());
     if more > 0 {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use spineline::anatomy::{FilmView, Posture};
-use spineline::measure::{alike_observers, alike_words};
+use spineline::measure::{alike_names, alike_words};
 use spineline::warning::{Warning, WarningCode, Warnings, counted};
 use spineline_files::{FileError, parse_case_file};
 use spineline_report::terminal::Lines;
@@ -118,7 +118,7 @@ fn film_warnings(path: &Path, text: &str) -> Result<(Warnings, BTreeSet<String>)
 fn alike_names(store: &Store, observers: &BTreeSet<String>) -> Result<Vec<String>, StoreError> {
     let accounts = store.accounts()?;
     let accounts = accounts.iter().map(|account| account.name.as_str());
-    let alike = alike_observers(observers.iter().map(String::as_str).chain(accounts));
+    let alike = alike_names(observers.iter().map(String::as_str).chain(accounts));
     let of_case = |names: &&Vec<&str>| names.iter().any(|name| observers.contains(*name));
     Ok(alike.iter().filter(of_case).map(|names| alike_words(names)).collect())
 }

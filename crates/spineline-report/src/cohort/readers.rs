@@ -6,7 +6,7 @@ use spineline::reliability::{DesignReliability, QuantityReliability, assess, fil
 
 use crate::document::{Figure, Section};
 use crate::figures::bland_altman;
-use crate::reliability::{in_short, note_copies};
+use crate::reliability::{in_short, note_readings};
 
 /// Plotted quantities: tilts between neighbours, which a turn of the film does not change, and the paper's tilts.
 const PLOTTED: [&str; 2] = ["tilt_step", "tilt_as_paper"];
@@ -37,7 +37,7 @@ pub fn section(analyses: &[Analysis]) -> Section {
         }
     }
     section.table(in_short(&found));
-    note_copies(&mut section, &found);
+    note_readings(&mut section, &found);
     section.paragraph("`spineline reliability --full` has all statistics and designs. Plots of more than 4,000 points are left out.");
     for plot in plots {
         section.figure(plot);

@@ -251,3 +251,29 @@ fn readings_that_cannot_be_compared_say_why() {
     let one_observer = text(2, &["A"]);
     assert!(one_observer.contains("No quantity was read twice"), "{one_observer}");
 }
+
+#[test]
+fn a_summary_of_readings_names_what_was_counted_apart_or_left_out() {
+    let mut found = Vec::new();
+    for (key, subjects) in [("q", 4), ("Q", 4), ("r", 1)] {
+        let mut quantity = RatedQuantity::new(key, "points", "");
+        for subject in 0..subjects {
+            for observer in ["A", "B", "b"] {
+                let (subject, value) = (format!("s{subject}"), f64::from(subject));
+                assert!(quantity.insert(&subject, observer, 1, value + f64::from(observer < "b")));
+            }
+        }
+        assert!(quantity.insert("S0", "A", 1, 1.0));
+        found.push(assess(&quantity));
+    }
+    let text = terminal(&reliability::summary(&found, false, GENERATOR), 400);
+    for part in [
+        "these quantities have names that differ by capitals and marks alone: Q and q",
+        "`B` and `b` count as 2 observers",
+        "these subjects have names that differ by capitals and marks alone: S0 and s0",
+        "q, Q: 1 of 5 subjects were not read equally often by all observers and are left out: S0.",
+        "r: the reliability is not known: only 1 of 2 subjects were read by all",
+    ] {
+        assert_eq!(text.matches(part).count(), 1, "{part}: {text}");
+    }
+}

@@ -74,7 +74,7 @@ pub(crate) use measure_film::outline_of;
 pub use measure_film::{check_landmarks, measure_film};
 pub(crate) use noise::ReadingSquares;
 pub use noise::{Noise, ProgramNoise};
-pub use observer::{OBSERVER_RULE, alike_observers, alike_words, is_observer_code};
+pub use observer::{OBSERVER_RULE, alike_names, alike_remark, alike_words, is_observer_code};
 pub use order::{LevelStep, out_of_order_words};
 pub use origin::{Origin, VertebraOrigin};
 pub use outline::{AmplitudeEnds, Interpolation, MeasuredVertebra, Outline, SharedErrors};

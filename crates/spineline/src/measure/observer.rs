@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::warning::first_named;
+
 /// The rule for a code of an observer, in words.
 pub const OBSERVER_RULE: &str = "1 to 64 letters, digits, `.`, `-` and `_`, such as A or reader-2";
 
@@ -22,16 +24,16 @@ pub fn is_observer_code(text: &str) -> bool {
     (1..=64).contains(&text.len()) && text.chars().all(allowed)
 }
 
-/// Names of observers that differ by capitals, blanks and marks between letters alone, in groups of at least two; each name
-/// is an observer nevertheless.
+/// Names, as of observers, that differ by capitals, blanks and marks between letters alone, in groups of at least two; each name
+/// counts nevertheless.
 ///
 /// ```
-/// use spineline::measure::alike_observers;
-/// assert_eq!(alike_observers(["A", "b", "B", "b"]), [["B", "b"]]);
-/// assert_eq!(alike_observers(["R1", "R-1", "r_1", "R2"]), [["R-1", "r_1"]]);
+/// use spineline::measure::alike_names;
+/// assert_eq!(alike_names(["A", "b", "B", "b"]), [["B", "b"]]);
+/// assert_eq!(alike_names(["R1", "R-1", "r_1", "R2"]), [["R-1", "r_1"]]);
 /// ```
 #[must_use]
-pub fn alike_observers<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<Vec<&'a str>> {
+pub fn alike_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<Vec<&'a str>> {
     let mut alike: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
     for name in names {
         alike.entry(folded(name)).or_default().insert(name);
@@ -47,7 +49,26 @@ fn folded(name: &str) -> String {
     words.collect::<Vec<_>>().join("_")
 }
 
-/// The warning about such names.
+/// The words on such names of subjects or quantities; `None` without any.
+///
+/// ```
+/// use spineline::measure::alike_remark;
+/// let words = alike_remark("subjects", ["s1", "s2", "S1"]).expect("two are alike");
+/// assert!(words.starts_with("these subjects have names that differ by capitals and marks alone: S1 and s1;"));
+/// ```
+#[must_use]
+pub fn alike_remark<'a>(what: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let alike = alike_names(names);
+    let groups = alike.iter().map(|names| names.join(" and "));
+    (!alike.is_empty()).then(|| {
+        format!(
+            "these {what} have names that differ by capitals and marks alone: {}; each name counts, so write one name for one of the {what}",
+            first_named(groups, alike.len())
+        )
+    })
+}
+
+/// The warning about such names of observers.
 #[must_use]
 pub fn alike_words(names: &[impl AsRef<str>]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("`{}`", name.as_ref())).collect();

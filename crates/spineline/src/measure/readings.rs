@@ -5,7 +5,7 @@ use super::placing::place;
 use super::tilts::check_tilts;
 use super::{
     Film, FilmLandmarks, MeasureError, Placement, Reading, ReadingId, SpacingPlane, TiltRule,
-    alike_observers, alike_words,
+    alike_names, alike_words,
 };
 use crate::anatomy::Posture;
 use crate::warning::{WarningCode, Warnings};
@@ -83,7 +83,7 @@ pub fn measure_readings(
 /// Warns of such names among the observers of all films.
 pub(crate) fn warn_of_alike_observers(films: &[FilmReadings], warnings: &mut Warnings) {
     let ids = films.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
-    for names in alike_observers(ids.map(|id| id.observer.as_str())) {
+    for names in alike_names(ids.map(|id| id.observer.as_str())) {
         warnings.push(WarningCode::ObserversAlike, alike_words(&names));
     }
 }

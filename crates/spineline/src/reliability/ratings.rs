@@ -2,6 +2,8 @@ use std::borrow::Borrow;
 use std::collections::BTreeMap;
 
 use super::Undefined;
+use crate::measure::alike_remark;
+use crate::warning::NAMED;
 
 /// Observer, and number of the repeat.
 pub(super) type Reader = (String, u32);
@@ -128,16 +130,15 @@ impl RatedQuantity {
         readers
     }
 
-    /// Every subject that all raters rated, one row each; a rater's value is the mean over his readings.
-    pub(super) fn complete(&self, raters: &[Vec<Reader>]) -> Vec<Vec<f64>> {
-        let known = |rater: &Vec<Reader>| -> Option<Vec<u32>> {
+    /// Every subject that all raters rated, one row each, and the names of the first of the others; a rater's value is the
+    /// mean over his readings.
+    pub(super) fn complete(&self, raters: &[Vec<Reader>]) -> (Vec<Vec<f64>>, Vec<String>) {
+        let known = |rater: &Vec<Reader>| -> Vec<Option<u32>> {
             rater.iter().map(|reader| self.readers.get(reader).copied()).collect()
         };
-        let Some(raters) = raters.iter().map(known).collect::<Option<Vec<_>>>() else {
-            return Vec::new();
-        };
-        let mean = |cells: &[Cell], rater: &Vec<u32>| {
-            let of = |reader: u32| cells.iter().find(|cell| cell.reader == reader);
+        let raters: Vec<Vec<Option<u32>>> = raters.iter().map(known).collect();
+        let mean = |cells: &[Cell], rater: &Vec<Option<u32>>| {
+            let of = |reader: Option<u32>| cells.iter().find(|cell| Some(cell.reader) == reader);
             let values = rater.iter().map(|&reader| of(reader).map(|cell| cell.value));
             let values = values.collect::<Option<Vec<f64>>>()?;
             // Against the first, so that equal readings have exactly their own mean.
@@ -146,17 +147,31 @@ impl RatedQuantity {
             Some(first + off / values.len() as f64)
         };
         // Rows in the order of names, whatever order the readings had.
-        let ranks: BTreeMap<u32, usize> = self.parts.values().copied().zip(0..).collect();
-        let mut rows = Vec::new();
-        for cells in self.places.values() {
+        let named = (0_usize..).zip(&self.parts);
+        let parts: BTreeMap<u32, (usize, &str)> =
+            named.map(|(rank, (name, &part))| (part, (rank, name.as_str()))).collect();
+        let (mut rows, mut left_out) = (Vec::new(), Vec::new());
+        for (place, cells) in &self.places {
             let mut cells = cells.clone();
-            cells.sort_by_key(|cell| ranks[&cell.part]);
-            let subjects = cells.chunk_by(|a, b| a.part == b.part);
-            rows.extend(subjects.filter_map(|subject| {
-                raters.iter().map(|rater| mean(subject, rater)).collect::<Option<Vec<f64>>>()
-            }));
+            cells.sort_by_key(|cell| parts[&cell.part]);
+            for subject in cells.chunk_by(|a, b| a.part == b.part) {
+                let row = raters.iter().map(|rater| mean(subject, rater));
+                match row.collect::<Option<Vec<f64>>>() {
+                    Some(row) => rows.push(row),
+                    None if left_out.len() == NAMED => {}
+                    None => {
+                        let (_, part) = parts[&subject[0].part];
+                        left_out.push(format!("{place}{part}"));
+                    }
+                }
+            }
         }
-        rows
+        (rows, left_out)
+    }
+
+    /// The words on places whose names differ by capitals and marks alone.
+    pub(super) fn alike_subjects(&self) -> Option<String> {
+        alike_remark("subjects", self.places.keys().map(|place| place.trim_end_matches('/')))
     }
 }
 

@@ -2,7 +2,7 @@ use super::agreement::{bland_altman, mdc95, pairs, pearson, sem};
 use super::icc::MeanSquares;
 use super::ratings::{Ratings, Reader};
 use super::{BlandAltman, RatedQuantity, Statistic, StatisticEstimate, StatisticKind, Undefined};
-use crate::measure::{alike_observers, alike_words};
+use crate::measure::{alike_names, alike_words};
 use crate::warning::{counted, first_named};
 
 /// Who is compared with whom.
@@ -42,13 +42,16 @@ impl Design {
 pub enum Remark {
     /// Subjects that somebody did not read are left out.
     #[error(
-        "{dropped} of {subjects} subjects were not read equally often by all observers and are left out"
+        "{dropped} of {subjects} subjects were not read equally often by all observers and are left out: {}",
+        first_named(first.iter().cloned(), *dropped)
     )]
     Dropped {
         /// How many.
         dropped: usize,
         /// Of how many.
         subjects: usize,
+        /// Names of the first ones.
+        first: Vec<String>,
     },
     /// Observers' means rest on different numbers of repeats, so their errors differ.
     #[error("observers read {} to {} times, so their means are not equally precise", repeats[0], repeats[1])]
@@ -66,6 +69,12 @@ pub enum Remark {
     AlikeNames {
         /// The names.
         names: Vec<String>,
+    },
+    /// Subjects whose names differ by capitals and marks alone count as several.
+    #[error("{words}")]
+    AlikeSubjects {
+        /// Their names, in words.
+        words: String,
     },
     /// The variance between raters is estimated below zero.
     #[error(
@@ -126,6 +135,7 @@ impl Remark {
             Self::UnequalRepeats { .. } => "unequal_repeats",
             Self::MeansAreSteadier => "means_are_steadier",
             Self::AlikeNames { .. } => "observers_alike",
+            Self::AlikeSubjects { .. } => "subjects_alike",
             Self::NoRaterVariance => "no_rater_variance",
             Self::NegativeIcc => "negative_icc",
             Self::PerfectAgreement => "perfect_agreement",
@@ -222,7 +232,7 @@ fn assess_design(
     names: Vec<String>,
     raters: Vec<Vec<Reader>>,
 ) -> DesignReliability {
-    let rows = quantity.complete(&raters);
+    let (rows, left_out) = quantity.complete(&raters);
     let (subjects, of) = (rows.len(), quantity.subjects());
     let table = match (&design, raters.len() < 2) {
         (Design::IntraObserver { .. }, true) => Err(Undefined::OneRepeat),
@@ -251,7 +261,7 @@ fn assess_design(
         bland_altman,
         remarks: Vec::new(),
     };
-    found.remarks = remarks(quantity, &found, squares.ok());
+    found.remarks = remarks(quantity, &found, squares.ok(), left_out);
     found
 }
 
@@ -277,13 +287,16 @@ fn remarks(
     quantity: &RatedQuantity,
     found: &DesignReliability,
     squares: Option<MeanSquares>,
+    left_out: Vec<String>,
 ) -> Vec<Remark> {
     let mut remarks = Vec::new();
     if !matches!(found.design, Design::IntraObserver { .. }) {
-        let alike = alike_observers(found.raters.iter().map(String::as_str)).into_iter();
+        let alike = alike_names(found.raters.iter().map(String::as_str)).into_iter();
         remarks.extend(alike.map(|names| Remark::AlikeNames {
             names: names.into_iter().map(str::to_owned).collect(),
         }));
+        let alike = quantity.alike_subjects();
+        remarks.extend(alike.map(|words| Remark::AlikeSubjects { words }));
     }
     if quantity.not_reviewed > 0 {
         remarks.push(Remark::NotReviewed { readings: quantity.not_reviewed });
@@ -302,7 +315,7 @@ fn remarks(
     }
     if found.dropped > 0 {
         let subjects = found.subjects + found.dropped;
-        remarks.push(Remark::Dropped { dropped: found.dropped, subjects });
+        remarks.push(Remark::Dropped { dropped: found.dropped, subjects, first: left_out });
     }
     let fewest = found.repeats.iter().copied().min().unwrap_or(0);
     let most = found.repeats.iter().copied().max().unwrap_or(0);

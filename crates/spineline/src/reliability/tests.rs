@@ -121,7 +121,9 @@ fn subjects_with_a_gap_are_left_out_and_counted() {
     assert!(quantity.insert("999", "A", 1, 1e6));
     let found = &assess(&quantity).designs[0];
     assert_eq!((found.subjects, found.dropped), (6, 1));
-    assert_eq!(found.remarks, [Remark::Dropped { dropped: 1, subjects: 7 }]);
+    let dropped = Remark::Dropped { dropped: 1, subjects: 7, first: vec!["999".to_owned()] };
+    assert!(dropped.to_string().ends_with("and are left out: 999"), "{dropped}");
+    assert_eq!(found.remarks, [dropped]);
     let whole = between(&SHROUT_FLEISS);
     assert_eq!(found.statistics, whole.statistics);
     // No subject that all have read.
@@ -213,6 +215,19 @@ fn names_that_differ_by_capitals_are_observers_with_a_remark() {
     assert!(alike.to_string().contains("`B` and `b` count as 2 observers"), "{alike}");
     assert!(!found.designs[1].remarks.contains(&alike), "within A");
     assert!(!between(&SHROUT_FLEISS).remarks.iter().any(|r| r.key() == "observers_alike"));
+}
+
+#[test]
+fn names_that_differ_by_capitals_are_subjects_with_a_remark() {
+    let mut quantity = RatedQuantity::new("score", "points", "");
+    for (subject, observer) in [("s1", "A"), ("S1", "B"), ("s2", "A"), ("s2", "B")] {
+        assert!(quantity.insert(subject, observer, 1, 1.0));
+    }
+    let remarks = &assess(&quantity).designs[0].remarks;
+    let alike = remarks.iter().find(|remark| remark.key() == "subjects_alike").expect("alike");
+    assert!(alike.to_string().contains("marks alone: S1 and s1;"), "{alike}");
+    let first = vec!["S1".to_owned(), "s1".to_owned()];
+    assert!(remarks.contains(&Remark::Dropped { dropped: 2, subjects: 3, first }), "{remarks:?}");
 }
 
 #[test]

@@ -8,8 +8,8 @@ use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
 use spineline::error::Error;
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, LateralFilm, PlacementSource, Reading, ReadingId,
-    alike_observers, alike_words, judge_landmarks,
+    Corners, Film, FilmLandmarks, LateralFilm, PlacementSource, Reading, ReadingId, alike_names,
+    alike_words, judge_landmarks,
 };
 use spineline::spatial::Pixel;
 use spineline::warning::Warnings;
@@ -169,7 +169,7 @@ fn refuse_other_readings(file: &Path, given: &ReadingId, film: &Film) -> Result<
 pub fn note_alike_observers(landmarks: &LandmarksByPosture, lateral: Option<&LateralFilm>) {
     let frontal = landmarks.values().flat_map(FilmLandmarks::reading_ids);
     let lateral = lateral.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
-    for alike in alike_observers(frontal.chain(lateral).map(|id| id.observer.as_str())) {
+    for alike in alike_names(frontal.chain(lateral).map(|id| id.observer.as_str())) {
         say(format!("note: {}", alike_words(&alike)));
     }
 }
