@@ -2,7 +2,7 @@
 
 use spineline::measure::alike_remark;
 use spineline::reliability::{
-    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, Statistic, StatisticKind,
+    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, StatisticKind,
     Undefined, shown_measure,
 };
 use spineline::warning::{counted, first_named};

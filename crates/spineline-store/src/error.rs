@@ -66,6 +66,13 @@ spineline::faults! {
             /// The store.
             path: PathBuf,
         },
+        /// A backup that cannot be read.
+        #[error("{}; the store was not changed", backup_words(error))]
+        #[help(backup_help(error))]
+        Backup {
+            /// Why.
+            error: Box<Self>,
+        },
         /// Written by a newer program.
         #[error("the study store has schema {found}; this program supports schemas up to {supported}")]
         #[help("install a newer Spineline; the file was not touched")]
@@ -369,6 +376,23 @@ fn exists_help(object: &str) -> &'static str {
         "load the study again: its plan can be changed until the first reading begins"
     } else {
         NAME_HELP
+    }
+}
+
+/// What is wrong with a backup that is to be restored.
+fn backup_words(error: &StoreError) -> String {
+    match error {
+        StoreError::NotFound { path } => format!("{}: backup not found", path.display()),
+        StoreError::Damaged { .. } => error.to_string().replacen("store", "backup", 1),
+        _ => error.to_string(),
+    }
+}
+
+fn backup_help(error: &StoreError) -> &'static str {
+    match error {
+        StoreError::NotFound { .. } => "check the name of the backup",
+        StoreError::Damaged { .. } => "restore another backup; `spineline study verify` checks one",
+        _ => error.help(),
     }
 }
 

@@ -34,7 +34,7 @@ impl Store {
     /// have it open. The earlier files are kept under another name.
     ///
     /// # Errors
-    /// [`StoreError::Held`]; [`StoreError::NotAStore`] where another file has the name; [`StoreError::SameFile`];
+    /// [`StoreError::Backup`]; [`StoreError::Held`]; [`StoreError::NotAStore`] where another file has the name; [`StoreError::SameFile`];
     /// [`StoreError::Full`], [`StoreError::File`] and the like. All of them leave the store as it was.
     pub fn restore(backup: &Path, store: &Path) -> Result<Restoration, StoreError> {
         restore(backup, &behind_links(store), &mut |_| {})
@@ -50,12 +50,17 @@ pub(crate) fn restore(
     if behind_links(backup) == store {
         return Err(StoreError::SameFile { path: store.to_owned() });
     }
-    let source = Store::view(backup)?;
+    let of_backup = |error| StoreError::Backup { error: Box::new(error) };
+    let source = Store::view(backup).map_err(of_backup)?;
     let there = There::at(store)?;
     reached("the store is held");
     let part = Part::of(store)?;
     reached("the part is begun");
-    let verification = fill(&source.connection, &part, Mark::Store)?;
+    let filled = fill(&source.connection, &part, Mark::Store);
+    let verification = filled.map_err(|error| match error {
+        StoreError::Damaged { .. } => of_backup(error),
+        other => other,
+    })?;
     if !verification.is_clean() {
         return Ok(Restoration { verification, replaced: None });
     }

@@ -138,6 +138,13 @@ fn a_store_in_use_another_file_and_a_damaged_backup_change_nothing() {
     assert!(!restored.verification.is_clean() && restored.replaced.is_none());
     assert!(fs::read(at("store")).expect("bytes") == before);
     assert_eq!(fs::read(at("notes")).expect("bytes"), b"notes");
+    let whole = fs::read(at("backup")).expect("bytes");
+    for bytes in [0, 100, whole.len() / 4] {
+        fs::write(at("cut"), &whole[..bytes]).expect("a file");
+        let refused = Store::restore(&at("cut"), &at("store"));
+        assert!(matches!(refused, Err(StoreError::Backup { .. })), "{bytes} bytes: {refused:?}");
+    }
+    assert!(fs::read(at("store")).expect("bytes") == before);
     assert_eq!(kept(folder.path()), Vec::<PathBuf>::new());
 }
 

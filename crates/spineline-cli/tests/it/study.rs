@@ -211,6 +211,25 @@ fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_
 }
 
 #[test]
+fn a_backup_that_cannot_be_restored_is_named_and_the_store_is_not() {
+    let here = store();
+    here.done(&["study", "backup", "s.db", "copy.db"]);
+    let whole = fs::read(here.path("copy.db")).expect("the backup");
+    here.write("cut.db", &whole[..whole.len() / 2]);
+    for (backup, words) in
+        [("cut.db", "cut.db: the backup is damaged"), ("no.db", "no.db: backup not found")]
+    {
+        let error = here.refused(&["study", "restore", backup, "s.db"], 3);
+        assert!(
+            error.starts_with(&format!("error: {words}; the store was not changed")),
+            "{error}"
+        );
+        assert!(!error.contains("s.db"), "{error}");
+    }
+    here.done(&["study", "verify", "s.db"]);
+}
+
+#[test]
 fn an_error_names_a_missing_store_once() {
     let here = folder();
     let error = here.refused(&["study", "list", "s.db"], 3);

@@ -236,7 +236,10 @@ fn verify(path: &Path, head: Option<&Head>) -> Result<Ending, Failure> {
 
 fn restore(backup: &Path, path: &Path) -> Result<Ending, Failure> {
     interrupt::begin_writing();
-    let restored = Store::restore(backup, path).map_err(|error| Failure::file(path, &error))?;
+    let restored = Store::restore(backup, path).map_err(|error| match error {
+        StoreError::Backup { .. } => Failure::file(backup, &error),
+        _ => Failure::file(path, &error),
+    })?;
     if !restored.verification.is_clean() {
         say(format!("{} was not changed: the backup is damaged.", path.display()));
         return report(backup, &restored.verification);
