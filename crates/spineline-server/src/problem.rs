@@ -99,6 +99,7 @@ impl From<StoreError> for Failure {
             StoreError::Busy => (S::SERVICE_UNAVAILABLE, "busy"),
             StoreError::Full | StoreError::Disk { .. } => (S::INSUFFICIENT_STORAGE, "disk"),
             StoreError::ReadOnly => (S::FORBIDDEN, "read_only"),
+            StoreError::Replaced => (S::SERVICE_UNAVAILABLE, "replaced"),
             StoreError::Damaged { .. } | StoreError::Database { .. } => {
                 (S::INTERNAL_SERVER_ERROR, "store")
             }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use rusqlite::ErrorCode;
+use rusqlite::ffi::SQLITE_READONLY_DBMOVED;
 use spineline::anatomy::{FilmView, Level};
 
 use crate::guessing::PasswordFault;
@@ -86,6 +87,10 @@ spineline::faults! {
         #[error("the store cannot be written: its file or folder is read-only")]
         #[help(RIGHTS_HELP)]
         ReadOnly,
+        /// Another file has the name of the store that is open.
+        #[error("the store was replaced or moved while it was open; nothing was saved by this step")]
+        #[help("start the server again: it then opens the store that has the name now")]
+        Replaced,
         /// The file could not be opened.
         #[error("the store, or a file beside it, cannot be opened")]
         #[help(RIGHTS_HELP)]
@@ -418,6 +423,7 @@ impl From<rusqlite::Error> for StoreError {
         };
         let extended_code = failure.extended_code;
         match failure.code {
+            _ if extended_code == SQLITE_READONLY_DBMOVED => Self::Replaced,
             ErrorCode::DiskFull => Self::Full,
             ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked => Self::Busy,
             ErrorCode::ReadOnly | ErrorCode::PermissionDenied => Self::ReadOnly,

@@ -156,6 +156,21 @@ fn a_read_only_folder_is_reported_and_a_backup_in_it_is_readable() {
 }
 
 #[test]
+#[cfg(unix)]
+fn a_store_that_another_file_replaced_is_reported_as_replaced_and_not_as_read_only() {
+    let folder = folder();
+    let [open, other] = ["open", "other"].map(|name| folder.path().join(name));
+    let database = Connection::open(&open).expect("a database");
+    database.execute_batch("CREATE TABLE a (b); INSERT INTO a VALUES (1)").expect("a table");
+    fs::copy(&open, &other).expect("a copy");
+    fs::rename(&other, &open).expect("the name of the first one");
+    let refused = database.execute_batch("INSERT INTO a VALUES (2)").map_err(StoreError::from);
+    refused!(refused, Replaced);
+    let words = StoreError::Replaced;
+    assert!(words.help().contains("start the server again"), "{words}: {}", words.help());
+}
+
+#[test]
 fn a_read_only_view_does_not_change_the_store() {
     let folder = folder();
     let path = folder.path().join("store");
