@@ -181,6 +181,18 @@ fn equal_secrets_map_equal_identifiers_to_equal_new_ones() {
 }
 
 #[test]
+fn a_relative_folder_of_configuration_is_ignored_so_the_secret_is_not_in_the_working_folder() {
+    let here = folder();
+    put(&here, "a.dcm", &film(1));
+    let mut command = here.process();
+    command.env("XDG_CONFIG_HOME", "relative").env("HOME", here.path("home")).env_remove("APPDATA");
+    let output = command.arg("import").args(ERECT).output().expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!here.path("relative").exists());
+    assert!(here.path("home/.config/spineline/identifiers.secret").exists());
+}
+
+#[test]
 fn missing_values_are_asked_for_by_film_with_the_option_to_give_them() {
     let here = folder();
     let mut silent = film(1);

@@ -245,11 +245,12 @@ fn secret_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
 }
 
 fn default_secret() -> Result<PathBuf, Failure> {
-    let variable = |name| std::env::var_os(name).filter(|value| !value.is_empty());
+    // The XDG specification ignores a relative path: it would lie in the working folder.
+    let variable =
+        |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let folder = variable("XDG_CONFIG_HOME")
         .or_else(|| variable("APPDATA"))
-        .map(PathBuf::from)
-        .or_else(|| variable("HOME").map(|home| PathBuf::from(home).join(".config")));
+        .or_else(|| variable("HOME").map(|home| home.join(".config")));
     folder.map(|folder| folder.join("spineline").join("identifiers.secret")).ok_or_else(|| {
         Failure::usage("no configuration folder was found: name a file with --secret")
     })
