@@ -32,7 +32,9 @@ fn accounts_are_made_changed_and_listed() {
     let add = ["account", "add", "r2", "--role", "reader", "--password-stdin", "s.spineline"];
     let weak = run(&add, "short\n").failure().code(3);
     assert!(output_of(&weak).contains("12 characters") && !output_of(&weak).contains("short"));
-    run(&add, PASSWORD).success();
+    let lines = run(&add, &format!("{PASSWORD}\nanother sentence\n")).failure().code(3);
+    assert!(output_of(&lines).contains("more than one line"), "{}", output_of(&lines));
+    run(&add, &format!("{PASSWORD}\r\n\n")).success();
     run(&add, PASSWORD).failure().code(3);
     run(&["account", "edit", "r2", "--role", "editor", "s.spineline"], "").success();
     run(&["account", "edit", "r2", "s.spineline"], "").failure().code(2);

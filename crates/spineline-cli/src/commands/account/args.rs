@@ -41,7 +41,7 @@ pub enum AccountCommand {
         /// Highest role of the account
         #[arg(long, value_name = "ROLE", value_parser = role(&Role::ALL))]
         role: Role,
-        /// Read the password from the standard input, up to the end of its first line
+        /// Read the password from the standard input, which holds one line
         #[arg(long)]
         password_stdin: bool,
     },
@@ -58,7 +58,7 @@ pub enum AccountCommand {
         /// Ask for a new password
         #[arg(long)]
         password: bool,
-        /// Read a new password from the standard input, up to the end of its first line
+        /// Read a new password from the standard input, which holds one line
         #[arg(long, conflicts_with = "password")]
         password_stdin: bool,
         /// Allow sign-in again

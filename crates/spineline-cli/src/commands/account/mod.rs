@@ -4,6 +4,7 @@ mod args;
 
 pub use args::{AccountArgs, EXAMPLES};
 
+use std::fmt::Display;
 use std::io::{IsTerminal, Read, stdin};
 use std::path::Path;
 use std::time::SystemTime;
@@ -77,17 +78,24 @@ fn change(command: &AccountCommand, account: &Name) -> Result<AccountChange, Fai
 }
 
 fn password(store: &Path, account: &Name, from_stdin: bool) -> Result<PasswordHash, Failure> {
-    let text = if from_stdin { first_line()? } else { asked()? };
+    let text = if from_stdin { one_line()? } else { asked()? };
     PasswordHash::new(&text, account).map_err(|error| Failure::file(store, &error))
 }
 
-fn first_line() -> Result<String, Failure> {
+fn one_line() -> Result<String, Failure> {
     let mut text = String::new();
     let read = stdin().lock().take(MAX_INPUT_BYTES).read_to_string(&mut text);
-    read.map_err(|error| {
-        Failure::input("standard input", error, "write the password as one line of UTF-8 text")
-    })?;
-    Ok(text.lines().next().unwrap_or_default().to_owned())
+    let refused = |error: &dyn Display| {
+        let help = "write the password as one line of UTF-8 text";
+        Failure::input("standard input", error, help)
+    };
+    read.map_err(|error| refused(&error))?;
+    let mut lines = text.lines();
+    let first = lines.next().unwrap_or_default().to_owned();
+    if lines.any(|line| !line.is_empty()) {
+        return Err(refused(&"more than one line, and a password is one line"));
+    }
+    Ok(first)
 }
 
 fn asked() -> Result<String, Failure> {
