@@ -110,6 +110,9 @@ const COPY_HELP: &str = "copy the file again: it is incomplete";
 const EXPORT_HELP: &str = "export the film again from its archive";
 const ENCODING_HELP: &str =
     "export the film uncompressed or as JPEG lossless, JPEG-LS, JPEG 2000 or HTJ2K";
+const PICTURE_COPY_HELP: &str =
+    "copy the picture again, or export it again: it is incomplete or damaged";
+const PICTURE_FORMAT_HELP: &str = "save the picture as PNG with 8 or 16 bits of grey";
 const GREY_HELP: &str = "export the film as 8 or 16 bit greyscale";
 const INSTALL_HELP: &str = "install the program again";
 const DAMAGED_HELP: &str = "this film is damaged or malicious; export it again, uncompressed";
@@ -215,8 +218,10 @@ spineline::faults! {
         },
         /// Compressed pixels that cannot be decoded.
         #[error("the {codec} pixels cannot be decoded: {fault}")]
-        #[help(match fault {
-            CodecFault::LossyPrecision { .. } => "convert the file with `dcmdjpeg IN OUT` (DCMTK) or `gdcmconv --raw IN OUT` (GDCM), or export the film uncompressed",
+        #[help(match (codec, fault) {
+            (Codec::Raster, CodecFault::Unsupported) => PICTURE_FORMAT_HELP,
+            (Codec::Raster, _) => PICTURE_COPY_HELP,
+            (_, CodecFault::LossyPrecision { .. }) => "convert the file with `dcmdjpeg IN OUT` (DCMTK) or `gdcmconv --raw IN OUT` (GDCM), or export the film uncompressed",
             _ => ENCODING_HELP,
         })]
         Codec {

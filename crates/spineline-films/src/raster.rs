@@ -1,10 +1,11 @@
 //! Pictures without a data set: PNG, JPEG and TIFF. They have no spacing and no view, so the program asks for both. The
 //! shape of their pixels follows from their resolutions.
 
-use std::io::Cursor;
+use std::convert::Infallible;
+use std::io::{Cursor, ErrorKind};
 
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use spineline_marking::{SpacingEvidence, ViewEvidence};
 
 use super::codec::foreign;
@@ -103,23 +104,35 @@ fn decode(
         FilmKind::Tiff => ImageFormat::Tiff,
         FilmKind::Png | FilmKind::Dicom => ImageFormat::Png,
     };
-    let fault = |fault| FilmError::Codec { codec: Codec::Raster, fault };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut caps = Limits::default();
     // Two copies of four samples of 16 bits.
     caps.max_alloc = Some(limits.pixels.saturating_mul(16));
     reader.limits(caps);
-    let mut decoder = foreign(|| reader.into_decoder()).map_err(fault)?;
+    let mut decoder = decoded(|| reader.into_decoder())?;
     let (columns, rows) = decoder.dimensions();
     let found = u64::from(columns) * u64::from(rows);
     Measure::Pixels.within(found, limits.pixels)?;
     if found == 0 {
-        return Err(fault(CodecFault::Header));
+        return Err(CodecFault::Header.of(Codec::Raster));
     }
     let orientation = foreign(|| decoder.orientation()).unwrap_or(Orientation::NoTransforms);
-    let mut image = foreign(|| DynamicImage::from_decoder(decoder)).map_err(fault)?;
+    let mut image = decoded(|| DynamicImage::from_decoder(decoder))?;
     image.apply_orientation(orientation);
     Ok((image, orientation))
+}
+
+/// Calls the decoder of pictures.
+fn decoded<T>(decode: impl FnOnce() -> Result<T, ImageError>) -> Result<T, FilmError> {
+    let found = foreign(|| Ok::<_, Infallible>(decode()));
+    let fault = |error: ImageError| match error {
+        ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {
+            CodecFault::Truncated
+        }
+        ImageError::Unsupported(_) => CodecFault::Unsupported,
+        _ => CodecFault::Corrupt,
+    };
+    found.and_then(|found| found.map_err(fault)).map_err(|fault| fault.of(Codec::Raster))
 }
 
 /// Whether rows become columns.

@@ -2,7 +2,7 @@
 //! files of several pictures.
 
 use spineline::measure::SpacingPlane;
-use spineline_films::{FilmError, FilmFile, FilmRemark, spacing_question};
+use spineline_films::{Codec, CodecFault, FilmError, FilmFile, FilmRemark, spacing_question};
 use spineline_marking::judge_spacing;
 
 use crate::maker::{EXPLICIT, Maker};
@@ -212,6 +212,40 @@ fn an_equal_resolution_is_said_and_not_used_and_one_without_a_meaning_is_neither
         jpeg(0, 1, 1),
     ] {
         assert_eq!(of(&bytes), None);
+    }
+}
+
+#[test]
+fn a_truncated_a_damaged_and_an_unsupported_picture_are_told_apart_with_advice_for_pictures() {
+    use image::ImageFormat::{Png, Tiff};
+    let noise = |place: u32| (place.wrapping_mul(2_654_435_761) >> 24) as u8;
+    let grey = image::GrayImage::from_raw(64, 48, (0..64 * 48).map(noise).collect());
+    let grey = grey.expect("pixels");
+    let said = |bytes: &[u8], of: &[CodecFault]| {
+        let error = read(bytes).expect_err("no picture");
+        let FilmError::Codec { codec: Codec::Raster, fault } = error else { panic!("{error}") };
+        assert!(of.contains(&fault), "{error}");
+        error.help()
+    };
+    for format in [Png, Tiff] {
+        let mut file = std::io::Cursor::new(Vec::new());
+        grey.write_to(&mut file, format).expect("a picture");
+        let mut bytes = file.into_inner();
+        let cut = &bytes[..bytes.len() * 3 / 4];
+        assert!(said(cut, &[CodecFault::Truncated]).starts_with("copy the picture again"));
+        if format == Png {
+            let middle = bytes.len() / 2;
+            bytes[middle] ^= 0x55;
+            assert!(said(&bytes, &[CodecFault::Corrupt]).starts_with("copy the picture again"));
+        }
+    }
+    // Samples of 12 and of 32 bits.
+    for bits in [12, 32] {
+        let mut bytes = tiff(&[([300, 300], 2, 0)], false);
+        let entry = [2, 1, 3, 0, 1, 0, 0, 0, 8];
+        let place = bytes.windows(9).position(|nine| nine == entry).expect("BitsPerSample");
+        bytes[place + 8] = bits;
+        assert!(said(&bytes, &[CodecFault::Unsupported]).contains("PNG"), "{bits}");
     }
 }
 
