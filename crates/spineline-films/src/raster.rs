@@ -8,7 +8,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use spineline_marking::{SpacingEvidence, ViewEvidence};
 
-use super::codec::foreign;
+use super::codec::{check_end, foreign};
 use super::error::{Codec, CodecFault, FilmError, Measure, UnsupportedPhotometric};
 use super::pixels::luminance;
 use super::resolution;
@@ -104,6 +104,9 @@ fn decode(
         FilmKind::Tiff => ImageFormat::Tiff,
         FilmKind::Png | FilmKind::Dicom => ImageFormat::Png,
     };
+    if kind == FilmKind::Jpeg {
+        check_end(bytes).map_err(|fault| fault.of(Codec::Raster))?;
+    }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut caps = Limits::default();
     // Two copies of four samples of 16 bits.

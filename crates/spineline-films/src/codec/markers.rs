@@ -83,6 +83,11 @@ pub(super) fn has_end(scan: &[u8]) -> Result<(), CodecFault> {
     if found { Ok(()) } else { Err(CodecFault::Truncated) }
 }
 
+/// The same of the file of a picture. A header that cannot be read is left to its decoder.
+pub(crate) fn check_end(data: &[u8]) -> Result<(), CodecFault> {
+    segments(data).map_or(Ok(()), |(_, start)| has_end(&data[start..]))
+}
+
 /// One marker segment: kind and content.
 pub(crate) struct Segment<'a> {
     pub kind: u8,

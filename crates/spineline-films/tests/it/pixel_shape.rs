@@ -217,7 +217,7 @@ fn an_equal_resolution_is_said_and_not_used_and_one_without_a_meaning_is_neither
 
 #[test]
 fn a_truncated_a_damaged_and_an_unsupported_picture_are_told_apart_with_advice_for_pictures() {
-    use image::ImageFormat::{Png, Tiff};
+    use image::ImageFormat::{Jpeg, Png, Tiff};
     let noise = |place: u32| (place.wrapping_mul(2_654_435_761) >> 24) as u8;
     let grey = image::GrayImage::from_raw(64, 48, (0..64 * 48).map(noise).collect());
     let grey = grey.expect("pixels");
@@ -227,10 +227,11 @@ fn a_truncated_a_damaged_and_an_unsupported_picture_are_told_apart_with_advice_f
         assert!(of.contains(&fault), "{error}");
         error.help()
     };
-    for format in [Png, Tiff] {
+    for format in [Jpeg, Png, Tiff] {
         let mut file = std::io::Cursor::new(Vec::new());
         grey.write_to(&mut file, format).expect("a picture");
         let mut bytes = file.into_inner();
+        // Without its end marker, a decoder of JPEG invents the rest of the picture.
         let cut = &bytes[..bytes.len() * 3 / 4];
         assert!(said(cut, &[CodecFault::Truncated]).starts_with("copy the picture again"));
         if format == Png {
