@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use spineline::number::fixed;
 
-use super::Attribute;
+use super::{Attribute, FilmKind};
 
 spineline::named! {
     /// Likely format of a file that is not a radiograph.
@@ -128,6 +128,13 @@ spineline::faults! {
         #[help("films are DICOM, PNG, JPEG or TIFF files; unpack archives first, export documents as PNG")]
         NotAFilm {
             looks_like: Lookalike,
+        },
+        /// A picture where a data set is needed.
+        #[error("it is a {kind} picture, and a DICOM file is needed")]
+        #[help("name the DICOM file of the film")]
+        NotDicom {
+            /// Its format.
+            kind: FilmKind,
         },
         /// A limit of [`FilmLimits`](super::FilmLimits).
         #[error("{what}: {found} is more than the limit of {limit}")]

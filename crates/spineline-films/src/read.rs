@@ -23,6 +23,10 @@ pub fn read_film(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmErro
 /// # Errors
 /// [`FilmError`] for files that are not DICOM, or invalid.
 pub fn read_data_set(bytes: &[u8]) -> Result<InMemDicomObject, FilmError> {
+    match container::sniff(bytes)? {
+        FilmKind::Dicom => {}
+        kind => return Err(FilmError::NotDicom { kind }),
+    }
     let limits = FilmLimits::default();
     let container::Container { syntax, body, .. } = container::open(bytes, &limits)?;
     Ok(element::parse(&body, syntax.encoding, &limits)?.object)

@@ -1,8 +1,8 @@
 //! Damaged, unusual and malicious files.
 
 use spineline_films::{
-    Attribute, Codec, CodecFault, ElementFault, FilmError, FilmLimits, FilmRemark, Lookalike,
-    Measure, UnsupportedPhotometric, read_film,
+    Attribute, Codec, CodecFault, ElementFault, FilmError, FilmKind, FilmLimits, FilmRemark,
+    Lookalike, Measure, UnsupportedPhotometric, read_data_set, read_film,
 };
 
 use crate::maker::{
@@ -69,6 +69,17 @@ fn f1_truncated_or_damaged_compressed_pixels_do_not_panic() {
         }
     }
     assert!(refused > 100, "{refused}");
+}
+
+#[test]
+fn a_picture_where_a_data_set_is_needed_is_named_as_one_and_not_as_truncated() {
+    let mut file = std::io::Cursor::new(Vec::new());
+    image::GrayImage::new(3, 2).write_to(&mut file, image::ImageFormat::Png).unwrap();
+    let error = read_data_set(file.get_ref()).unwrap_err();
+    assert_eq!(error, FilmError::NotDicom { kind: FilmKind::Png });
+    assert!(error.to_string().contains("a PNG picture"), "{error}");
+    assert!(matches!(read_data_set(b"text"), Err(FilmError::NotAFilm { .. })));
+    assert!(read_data_set(&small().file(EXPLICIT)).is_ok());
 }
 
 #[test]
