@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{FilmError, Measure};
+use super::error::{FilmError, Measure, system_words};
 use super::pixels::little_endian;
 use super::{FilmFile, FilmKind, FilmLimits, FilmRemark, FilmTags, Look, StoredPixels, read_film};
 
@@ -87,7 +87,7 @@ pub fn decode_in_child(
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .map_err(|error| FilmError::DecoderStart { kind: error.kind().to_string() })?;
+        .map_err(|error| FilmError::DecoderStart { kind: system_words(error.kind()) })?;
     let pipe = child.stdin.take();
     // In a separate thread: a child that does not read must not block its parent.
     thread::spawn(move || {

@@ -1,3 +1,5 @@
+use std::io::ErrorKind;
+
 use serde::{Deserialize, Serialize};
 use spineline::number::fixed;
 
@@ -98,6 +100,14 @@ pub enum CodecFault {
     /// The decoding library panicked.
     #[error("the decoder failed")]
     Panicked,
+}
+
+/// An error of the operating system in words.
+pub(super) fn system_words(kind: ErrorKind) -> String {
+    match kind {
+        ErrorKind::NotFound => "no such file".to_owned(),
+        other => other.to_string(),
+    }
 }
 
 impl CodecFault {

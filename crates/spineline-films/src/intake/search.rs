@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::{ErrorKind, Read};
 use std::path::PathBuf;
 
+use crate::error::system_words;
 use crate::{FilmError, FilmKind, Lookalike, sniff};
 
 /// Limits of a search.
@@ -79,7 +80,7 @@ pub enum Reason {
     #[error("it {0}")]
     NotAFilm(Lookalike),
     /// It could not be read.
-    #[error("it cannot be read: {0}")]
+    #[error("it cannot be read: {}", system_words(*.0))]
     Unreadable(ErrorKind),
     /// A link, a device or a pipe.
     #[error("it is not a regular file")]
@@ -129,7 +130,7 @@ spineline::faults! {
     #[non_exhaustive]
     pub enum IntakeError {
         /// A given path does not open.
-        #[error("{place}: {kind}")]
+        #[error("{place}: {}", system_words(*kind))]
         #[help("check the path, and that you may read it")]
         Missing {
             /// The path.
