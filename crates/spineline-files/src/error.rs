@@ -100,6 +100,13 @@ spineline::faults! {
             found: String,
             expected: &'static str,
         },
+        /// A list of what a file holds one of.
+        #[error("it is a list, and a file holds one {}", expected.trim_start_matches("spineline-"))]
+        #[help("write each entry of the list into its own file, and give all these files")]
+        List {
+            /// The format of an entry.
+            expected: &'static str,
+        },
         /// A newer file, or one of unknown version.
         #[error("its version is {found}, and this program reads version {supported}")]
         #[help("install a newer Spineline, or write the file again with this one")]

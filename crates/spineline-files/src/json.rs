@@ -26,6 +26,10 @@ pub(crate) fn parse<T: DeserializeOwned>(
     version: u32,
 ) -> Result<T, FileError> {
     let text = without_mark(text);
+    // Serde takes a list of the values of an object for the object.
+    if text.trim_start().starts_with('[') {
+        return Err(FileError::List { expected: format });
+    }
     // The format is checked first: a model given as a case should be named so, and not by unknown keys.
     let header = header_of(text);
     if header.is_read {

@@ -285,7 +285,9 @@ fn other_formats_and_newer_versions_are_reported() {
     let case = text();
     assert!(matches!(refused(&case[..case.len() / 2]), FileError::Syntax { .. }));
     assert!(matches!(refused("{}"), FileError::Format { .. }));
-    assert!(matches!(refused("[1]"), FileError::Value { .. }));
+    for list in ["[1]", "[]", &format!("[{case}]"), "\u{feff} [\"spineline-case\", 1]"] {
+        assert_eq!(refused(list).to_string(), "it is a list, and a file holds one case");
+    }
     let newer = text().replacen("\"version\": 1", "\"version\": 2", 1);
     assert!(matches!(refused(&newer), FileError::Version { found: 2, supported: 1 }));
 }
