@@ -63,12 +63,17 @@ impl Client {
     ) -> Result<Found<SeriesFound>, DicomwebError> {
         let mut fields: Vec<&str> = OF_SERIES.into_iter().chain([search.tag()]).collect();
         fields.dedup();
-        self.found(archive, "series", &search.parameters(), &fields, |entry| {
+        let found = self.found(archive, "series", &search.parameters(), &fields, |entry| {
             if search.holds(entry) {
                 search.series(entry)
             } else {
                 Err("an entry differs from the search")
             }
+        });
+        // A service has the list of all series, so its address is wrong.
+        found.map_err(|error| match error {
+            DicomwebError::NotFound { archive } => DicomwebError::Refused { archive, status: 404 },
+            other => other,
         })
     }
 

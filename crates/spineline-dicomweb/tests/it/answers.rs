@@ -158,6 +158,11 @@ fn refusals_have_types_and_quote_nothing() {
         assert!(is_right(&error), "{status}: {error}");
         assert!(!error.to_string().contains("DOE") && !error.help().is_empty());
     }
+    // A service without the list of all series is at another address; nobody asked for a film.
+    let (address, _) = serve(|_| Some(Reply::status(404)));
+    let error = Client::new(LIMITS).search(&archive(&address), &search("P1")).expect_err("refused");
+    assert!(matches!(error, DicomwebError::Refused { status: 404, .. }), "{error}");
+    assert!(error.help().contains("the address"), "{}", error.help());
     for bad in ["{}", "<html>", r#"[{"0020000D": {"Value": ["../1"]}}]"#, "[1]"] {
         let (address, _) = serve(move |_| Some(Reply::json(bad)));
         let error = Client::new(LIMITS).search(&archive(&address), &search("P1")).expect_err(bad);
