@@ -142,14 +142,15 @@ pub fn picture_names(names: &[u8]) -> Result<Vec<String>, LandmarkError> {
 /// [`LandmarkError`], which names line and column.
 pub fn image_sizes(bytes: &[u8]) -> Result<BTreeMap<String, (u32, u32)>, LandmarkError> {
     let mut table = reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), true);
+    let at = |line: u64| format!("the sizes of the pictures, line {line}");
     let unreadable = |error: csv::Error| LandmarkError::Syntax {
-        at: format!("line {}", error.position().map_or(1, csv::Position::line)),
+        at: at(error.position().map_or(1, csv::Position::line)),
         reason: "the row cannot be read".to_owned(),
     };
     let heading = table.byte_headers().map_err(unreadable)?.clone();
     let column = |name: &str| {
         heading.iter().position(|cell| cell == name.as_bytes()).ok_or_else(|| {
-            LandmarkError::Missing { at: "line 1".to_owned(), what: format!("the column `{name}`") }
+            LandmarkError::Missing { at: at(1), what: format!("the column `{name}`") }
         })
     };
     let places = [column("filename")?, column("width_px")?, column("height_px")?];
@@ -161,7 +162,7 @@ pub fn image_sizes(bytes: &[u8]) -> Result<BTreeMap<String, (u32, u32)>, Landmar
         let side = |cell: &[u8]| {
             let found = std::str::from_utf8(cell).ok().and_then(|text| text.parse::<u32>().ok());
             found.filter(|&side| side > 0).ok_or_else(|| LandmarkError::Value {
-                at: format!("line {line}"),
+                at: at(line),
                 value: shown(&String::from_utf8_lossy(cell)),
                 expected: "a number of pixels",
             })
@@ -174,7 +175,7 @@ pub fn image_sizes(bytes: &[u8]) -> Result<BTreeMap<String, (u32, u32)>, Landmar
         }
         if sizes.insert(name.clone(), size).is_some_and(|first| first != size) {
             let what = format!("`{}`, with another size,", shown(&name));
-            return Err(LandmarkError::Duplicate { at: format!("line {line}"), what, first: None });
+            return Err(LandmarkError::Duplicate { at: at(line), what, first: None });
         }
     }
     Ok(sizes)

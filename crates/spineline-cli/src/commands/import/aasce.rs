@@ -93,16 +93,16 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
 }
 
 fn rows(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<Vec<AasceRow>, Failure> {
-    let table_at = |path: PathBuf| read_file(&path).map_err(|error| fail(&path, &error));
+    let table_at = |path: &Path| read_file(path).map_err(|error| fail(path, &error));
     let table = args.sizes.clone().unwrap_or_else(|| folder.join("image_sizes.csv"));
     let is_listed = args.pictures.is_none() && (args.sizes.is_some() || table.exists());
     let listed = if is_listed {
-        Some(image_sizes(&table_at(table)?).map_err(|error| fail(folder, &error))?)
+        Some(image_sizes(&table_at(&table)?).map_err(|error| fail(&table, &error))?)
     } else {
         None
     };
     let (names, landmarks) =
-        (table_at(folder.join("filenames.csv"))?, table_at(folder.join("landmarks.csv"))?);
+        (table_at(&folder.join("filenames.csv"))?, table_at(&folder.join("landmarks.csv"))?);
     let sizes = match listed {
         Some(sizes) => sizes,
         None => {
