@@ -150,6 +150,7 @@ spineline::faults! {
             Reason::NotPlain => "put the film itself there, and not a pipe or a device",
             Reason::TooLarge { .. } => "check that it is a film; export only the frontal film",
             Reason::Unreadable(ErrorKind::NotFound) => "check the path; the films of a case lie in the folder of the case",
+            Reason::Unreadable(ErrorKind::PermissionDenied) => "check that you may read it",
             Reason::Unreadable(ErrorKind::IsADirectory) => "name the film or the case file in the folder",
             _ => "run the command again when no other program writes there",
         })]

@@ -254,4 +254,6 @@ fn a_folder_in_place_of_a_film_is_named_as_one() {
     let place = spineline_films::intake::Place::File(here.path().to_owned());
     let error = read(&place, &IntakeLimits::default()).expect_err("a folder");
     assert_eq!(error.help(), "name the film or the case file in the folder");
+    let denied = Reason::Unreadable(std::io::ErrorKind::PermissionDenied);
+    assert_eq!(IntakeError::Gone { place, reason: denied }.help(), "check that you may read it");
 }
