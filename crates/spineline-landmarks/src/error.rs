@@ -300,6 +300,10 @@ spineline::faults! {
             what: String,
             level: Level,
         },
+        /// An iliac crest that a report cannot hold.
+        #[error("{0} film: an iliac crest lies outside of the picture")]
+        #[help("place the tips of both iliac crests on the picture, or remove both")]
+        Crests(spineline::anatomy::Posture),
         /// The picture does not match the landmarks.
         #[error("{0}")]
         #[help("name the film's DICOM file as `file` of its `image` in the case; in Python give it as `dicom`")]

@@ -278,12 +278,7 @@ fn vertebra(
 
 fn iliac_line(report: &ReportOf<'_>) -> Result<Option<InMemDicomObject>, LandmarkExportError> {
     let Some(crests) = report.iliac_crests else { return Ok(None) };
-    let outside = |_| {
-        LandmarkExportError::Source(format!(
-            "{} film: both iliac crests must lie on the picture",
-            report.posture
-        ))
-    };
+    let outside = |_| LandmarkExportError::Crests(report.posture);
     let places = places(report, Level::L5, &[crests.left, crests.right]).map_err(outside)?;
     let to_left = report.image.frontal(crests.left) - report.image.frontal(crests.right);
     let normal = Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt();

@@ -7,10 +7,10 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, ImageGeometry, Placement, Reading, ReadingId, Spacing,
-    SpacingPlane,
+    Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, Reading, ReadingId,
+    Spacing, SpacingPlane,
 };
-use spineline::spatial::{Angle, Frontal};
+use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline_landmarks::{
     LandmarkExportError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings,
     LandmarkTarget, SlicerFrame, SourceImage, export_landmarks, parse_landmarks,
@@ -34,10 +34,10 @@ pub fn case(patient_left: ImageSide) -> Case {
             ..own
         };
         let mirrored = own.patient_left != patient_left;
-        let moved = |p: spineline::spatial::Pixel| {
+        let moved = |p: Pixel| {
             let last = f64::from(own.columns) - 1.0;
             let column_px = if mirrored { last - p.column_px } else { p.column_px };
-            spineline::spatial::Pixel::new(column_px, 0.5 * p.row_px)
+            Pixel::new(column_px, 0.5 * p.row_px)
         };
         *image = wanted;
         for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
@@ -89,7 +89,7 @@ fn apart(one: &Film, other: &Film) -> f64 {
             pairs.extend(m.corners.points().into_iter().zip(n.corners.points()));
         }
     }
-    let off = |(p, q): (spineline::spatial::Pixel, spineline::spatial::Pixel)| {
+    let off = |(p, q): (Pixel, spineline::spatial::Pixel)| {
         (p.column_px - q.column_px).hypot(p.row_px - q.row_px)
     };
     pairs.into_iter().map(off).fold(0.0, f64::max)
@@ -271,17 +271,27 @@ fn reports_round_trip_to_single_precision() {
 
 #[test]
 fn a_report_needs_its_radiograph() {
-    let case = case(ImageSide::Right);
+    let mut case = case(ImageSide::Right);
     let mut sources = BTreeMap::new();
-    let refused = |sources: &BTreeMap<_, _>| {
+    let refused = |case: &Case, sources: &BTreeMap<_, _>| {
         let target =
             LandmarkTarget::DicomSr { sources, curves: &[], written: ["20260131", "101500"] };
-        export_landmarks(&case, Some(Posture::Erect), target)
-            .expect_err("the radiograph is missing")
+        export_landmarks(case, Some(Posture::Erect), target)
+            .expect_err("the radiograph is missing, or the crests are not on it")
     };
-    assert!(matches!(refused(&sources), LandmarkExportError::Source(_)));
+    assert!(matches!(refused(&case, &sources), LandmarkExportError::Source(_)));
     sources.insert(Posture::Erect, source((10, 10), Posture::Erect));
-    assert!(refused(&sources).to_string().contains("10 × 10"));
+    assert!(refused(&case, &sources).to_string().contains("10 × 10"));
+    let size = image(case.film(Posture::Erect).expect("of the case"));
+    sources.insert(Posture::Erect, source((size.columns, size.rows), Posture::Erect));
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { iliac_crests, .. } = &mut film.landmarks else { panic!() };
+        let (left, right) = (Pixel::new(-5.0, 9.0), Pixel::new(5.0, 9.0));
+        *iliac_crests = Some(IliacCrests { left, right });
+    }
+    let error = refused(&case, &sources);
+    assert_eq!(error, LandmarkExportError::Crests(Posture::Erect));
+    assert!(error.help().contains("crests") && !error.help().contains("DICOM"), "{error}");
 }
 
 #[test]
