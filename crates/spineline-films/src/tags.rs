@@ -256,7 +256,8 @@ fn uid(
 }
 
 /// Digits and dots, at most 64 of them, no empty component.
-pub(super) fn is_uid(text: &str) -> bool {
+#[must_use]
+pub fn is_uid(text: &str) -> bool {
     text.len() <= 64
         && text.split('.').all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
 }

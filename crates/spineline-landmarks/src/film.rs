@@ -15,6 +15,9 @@ use super::LandmarkError;
 use super::error::GIVE_POSTURE;
 use super::names::{PointName, coordinate, shown};
 
+/// From the centre of the first pixel, where Spineline counts from, to its corner, where labelme and DICOM do.
+pub(super) const HALF_PIXEL: f64 = 0.5;
+
 /// A format of landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LandmarkFormat {

@@ -15,8 +15,5 @@ mod write;
 pub use read::parse_labelme;
 pub(super) use write::write;
 
-/// labelme counts from the corner of the first pixel, and Spineline from its centre.
-const HALF_PIXEL: f64 = 0.5;
-
 /// The start of a point's flag for its origin.
 const FLAG: &str = "origin_";

@@ -6,9 +6,9 @@ use spineline::measure::{CornerName, Origin, Reading};
 use spineline::number::fixed;
 use spineline::spatial::{Angle, Pixel};
 
-use super::{FLAG, HALF_PIXEL};
+use super::FLAG;
 use crate::error::{CORRECT, GIVE_SIDE};
-use crate::film::{Points, from_image_sides, origin, pixel};
+use crate::film::{HALF_PIXEL, Points, from_image_sides, origin, pixel};
 use crate::identity::Identity;
 use crate::json::parse_foreign;
 use crate::names::{PointName, parse_level, shown};

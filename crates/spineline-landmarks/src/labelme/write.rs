@@ -7,8 +7,8 @@ use spineline::measure::{
 };
 use spineline::spatial::Pixel;
 
-use super::{FLAG, HALF_PIXEL};
-use crate::film::stated_origins;
+use super::FLAG;
+use crate::film::{HALF_PIXEL, stated_origins};
 use crate::identity::Identity;
 use crate::names::PointName;
 

@@ -77,6 +77,3 @@ pub struct ReportOf<'a> {
     /// Date and time of the report in UTC, as DICOM writes them.
     pub written: [&'a str; 2],
 }
-
-/// From the centre of the first pixel to its corner.
-const HALF_PIXEL: f64 = 0.5;

@@ -10,9 +10,8 @@ use spineline::measure::{
 use spineline::spatial::{Angle, Pixel};
 use spineline_films::read_data_set;
 
-use super::HALF_PIXEL;
 use super::codes::{self, Code};
-use crate::film::{degrees, origin, pixel};
+use crate::film::{HALF_PIXEL, degrees, origin, pixel};
 use crate::names::observer;
 use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 

@@ -8,15 +8,16 @@ use spineline::anatomy::Level;
 use spineline::clinical::convex_side;
 use spineline::measure::{CornerName, Corners, EndplateTilts, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal, Pixel};
+use spineline_films::is_uid;
 
+use super::ReportOf;
 use super::codes::{self, Code};
 use super::item::{
     Relation, code, container, image, number, person, points, reference, root, sequence, text,
     text_element, uid_reference,
 };
-use super::{HALF_PIXEL, ReportOf};
 use crate::LandmarkExportError;
-use crate::film::stated_origins;
+use crate::film::{HALF_PIXEL, stated_origins};
 
 const MODEL: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));
 
@@ -73,10 +74,7 @@ fn check(report: &ReportOf<'_>) -> Result<(), LandmarkExportError> {
         ("Study Instance UID", &source.study_instance_uid),
         ("Series Instance UID", &source.series_instance_uid),
     ] {
-        let good = !uid.is_empty()
-            && uid.len() <= 64
-            && uid.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-        if !good {
+        if !is_uid(uid) {
             return unfit(format!("its DICOM file has no valid {what}"));
         }
     }
