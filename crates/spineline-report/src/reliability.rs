@@ -2,8 +2,8 @@
 
 use spineline::measure::alike_remark;
 use spineline::reliability::{
-    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, StatisticKind,
-    Undefined, shown_measure,
+    BlandAltman, Design, DesignReliability, QuantityReliability, Remark, StatisticKind, Undefined,
+    shown_measure,
 };
 use spineline::warning::{counted, first_named};
 

@@ -42,7 +42,7 @@ pub fn add_case(
     for remark in &added.remarks {
         text.line(format!("  ! {remark}"));
     }
-    for remark in alike_names(store, &observers).map_err(fail)? {
+    for remark in alike_observers(store, &observers).map_err(fail)? {
         text.line(format!("  ! {remark}"));
     }
     for one in warnings.all() {
@@ -115,7 +115,7 @@ fn film_warnings(path: &Path, text: &str) -> Result<(Warnings, BTreeSet<String>)
 }
 
 /// Remarks on observers of the case whose names differ only by capitals and marks, from each other or from account names.
-fn alike_names(store: &Store, observers: &BTreeSet<String>) -> Result<Vec<String>, StoreError> {
+fn alike_observers(store: &Store, observers: &BTreeSet<String>) -> Result<Vec<String>, StoreError> {
     let accounts = store.accounts()?;
     let accounts = accounts.iter().map(|account| account.name.as_str());
     let alike = alike_names(observers.iter().map(String::as_str).chain(accounts));
