@@ -14,6 +14,9 @@ use crate::spatial::Frontal;
 
 /// Weight of the load's squared size, in mm²/rad²: negligible, so that it decides only between loads that bring T2 equally near.
 const SIZE_WEIGHT: f64 = 1e-2;
+/// Residuals are minimised in µm: a search ends at a decrease that is small beside the whole share of the load's size, which alone
+/// decides where T2's two coordinates leave a component free.
+const RESIDUAL_PER_MM: f64 = 1e3;
 /// Sizes of load, in rad, from which minima are sought.
 const START_SIZES: [f64; 4] = [0.1, 0.2, 0.4, 0.8];
 
@@ -132,20 +135,59 @@ fn minimum_from(
 ) -> Option<DVector<f64>> {
     let count = start.len();
     let free = DVector::from_element(count, f64::INFINITY);
-    let weighted = size * SIZE_WEIGHT.sqrt();
+    let weighted = size * (SIZE_WEIGHT.sqrt() * RESIDUAL_PER_MM);
     load.restart();
     let end = minimize(start, &-&free, &free, 2 + count, |x, system: &mut System| {
         let Some((t2, rates)) = load.t2(x.as_slice()) else { return false };
-        let off = t2 - place;
+        let off = (t2 - place) * RESIDUAL_PER_MM;
         system.residuals[0] = off.y_mm;
         system.residuals[1] = off.z_mm;
         for (i, rate) in rates.iter().enumerate() {
-            system.jacobian[(0, i)] = rate.y_mm;
-            system.jacobian[(1, i)] = rate.z_mm;
+            system.jacobian[(0, i)] = rate.y_mm * RESIDUAL_PER_MM;
+            system.jacobian[(1, i)] = rate.z_mm * RESIDUAL_PER_MM;
         }
         system.residuals.rows_mut(2, count).copy_from(&(&weighted * x));
         system.jacobian.rows_mut(2, count).copy_from(&weighted);
         true
     });
     (end.status == FitStatus::Converged).then_some(end.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ARM_MM: f64 = 300.0;
+    const BEND_MM: f64 = 150.0;
+
+    /// T2 under three components: the second and the third both lift it, the third more and more.
+    struct TwoLift;
+
+    impl SeveralComponents for TwoLift {
+        fn restart(&mut self) {}
+
+        fn t2(&mut self, components: &[f64]) -> Option<(Frontal, Vec<Frontal>)> {
+            let &[aside, even, bent] = components else { return None };
+            let height_mm = ARM_MM * (even + bent) + BEND_MM * bent * bent;
+            let rates = vec![
+                Frontal::new(ARM_MM, 0.0),
+                Frontal::new(0.0, ARM_MM),
+                Frontal::new(0.0, ARM_MM + 2.0 * BEND_MM * bent),
+            ];
+            Some((Frontal::new(ARM_MM * aside, height_mm), rates))
+        }
+    }
+
+    #[test]
+    fn of_the_loads_that_bring_t2_to_its_place_the_smallest_is_found() {
+        // Oracle: along the loads that keep T2 at its place, the square of their size has the slope zero.
+        for place in [Frontal::new(-30.0, 90.0), Frontal::new(40.0, -60.0)] {
+            let found = nearest_from_starts(&mut TwoLift, &DMatrix::identity(3, 3), 3, place)
+                .expect("a load reaches every place");
+            let (t2, rates) = TwoLift.t2(found.as_slice()).expect("three components");
+            assert!(t2.distance_mm(place) < 1e-4, "{t2:?}");
+            let slope = found[2] - found[1] * rates[2].z_mm / ARM_MM;
+            assert!(slope.abs() < 1e-4, "{slope}: {found}");
+        }
+    }
 }

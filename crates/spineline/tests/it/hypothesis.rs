@@ -1,6 +1,8 @@
 //! Loads and bases beside the paper's line: derivatives, agreement with the march, and what no frame may change.
 
 use crate::common::chain::{dead, proportional};
+use crate::common::{case_of, landmarks, move_places, other_side};
+use crate::properties::mirror_image;
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Levels, Posture};
@@ -15,7 +17,7 @@ use spineline::multibody::{
     NewtonWork, PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, match_t2,
 };
 use spineline::personalize::{Base, FitSettings};
-use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
+use spineline::spatial::{Angle, Frontal, Mat3, Pixel, Vec3};
 use spineline_phantom::{Readers, Scenario, generate};
 
 fn analysis() -> Analysis {
@@ -221,6 +223,44 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
         }
     }
     assert_eq!(compared, 4);
+}
+
+#[test]
+fn a_picture_that_is_shifted_or_mirrored_gives_the_same_predictions() {
+    // Oracle: the place in a picture is not the patient's, and left and right are names only. T2 gives two of three components.
+    const RELATIVE: f64 = 1e-3;
+    let case = generate(0, Scenario::Rod, &Readers::default(), 1).expect("a phantom").case;
+    let mut shifted = case.clone();
+    for film in &mut shifted.films {
+        let (image, ..) = landmarks(film);
+        image.columns += 300;
+        image.rows += 300;
+        move_places(film, |place| Pixel::new(place.column_px + 137.0, place.row_px + 41.0));
+    }
+    let image = case_of(case.films.iter().map(mirror_image).collect());
+    let hypothesis = Hypothesis { load: LoadShape::FreeLine, base: Base::Noisy };
+    let options = AnalysisOptions { hypotheses: vec![hypothesis], ..Default::default() };
+    let [found, shifted, image] = [case, shifted, image]
+        .map(|case| analyze(&case, &options).expect("a sound case").hypotheses.remove(0));
+    let roles = [Role::HeldOut, Role::LeftOut];
+    let predicted: Vec<_> = roles.into_iter().flat_map(|role| found.of_role(role)).collect();
+    assert_eq!(predicted.len(), 4);
+    for (other, side) in [(&shifted, 1.0), (&image, -1.0)] {
+        for one in &predicted {
+            let posture = one.shape.posture;
+            let same = if side < 0.0 { other_side(posture) } else { posture };
+            let other = other.of_role(one.role).find(|other| other.shape.posture == same);
+            let other = other.expect("the same film");
+            let mm = one.shape.mean_location_error_mm();
+            let off_mm = (other.shape.mean_location_error_mm() - mm).abs();
+            assert!(off_mm < RELATIVE * mm, "{posture}, {side}: off by {off_mm} of {mm} mm");
+            // Across, along the spine, and a couple.
+            for (i, sign) in [side, 1.0, side].into_iter().enumerate() {
+                let (a, b) = (one.components[i], sign * other.components[i]);
+                assert!((a - b).abs() < RELATIVE * a.abs(), "{posture}, {side}: {a} {b}");
+            }
+        }
+    }
 }
 
 #[test]
