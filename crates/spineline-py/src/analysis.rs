@@ -281,7 +281,7 @@ impl Analysis {
     /// Every warning, in the order of the steps.
     #[getter]
     fn warnings(&self) -> Vec<Finding> {
-        self.analysis.warnings.all().iter().map(Finding::from).collect()
+        self.analysis.all_warnings().map(Finding::from).collect()
     }
 
     /// The text of its file.

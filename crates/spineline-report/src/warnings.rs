@@ -33,7 +33,7 @@ impl WarningCounts {
     pub fn add(&mut self, analysis: &Analysis) {
         self.patients += 1;
         let mut seen = BTreeSet::new();
-        for warning in analysis.warnings.all() {
+        for warning in analysis.all_warnings() {
             let key = (NoticeKind::from(warning.code.severity()), warning.code.key());
             let count = self.codes.entry(key).or_insert_with(|| CodeCount {
                 patients: 0,
@@ -101,5 +101,5 @@ pub fn warnings(analysis: &Analysis) -> Vec<Notice> {
         let place: Vec<&str> = place.into_iter().filter(|part| !part.is_empty()).collect();
         Notice { place: place.join(", "), ..notice }
     };
-    analysis.warnings.all().iter().map(|warning| with_case(warning.into())).collect()
+    analysis.all_warnings().map(|warning| with_case(warning.into())).collect()
 }

@@ -241,7 +241,7 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
     );
     add.text(
         "status",
-        "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
+        "`converged`, `unreachable`, `beyond_human_range`, `not_converged` or `fit_not_converged`; only the first is a result",
         |row| row.simulation.status.key(),
     );
     add.number(

@@ -127,13 +127,13 @@ fn findings(add: &mut Columns<'_, PatientRow<'_>>) {
         row.analysis.is_converged()
     });
     add.count("warnings", "number of warnings, notes and contradictions", |row| {
-        row.analysis.warnings.all().len()
+        row.analysis.all_warnings().count()
     });
     add.count(
         "contradictions",
         "number of contradictions: the data contradict the model, or a number is not a result",
         |row| {
-            let all = row.analysis.warnings.all().iter();
+            let all = row.analysis.all_warnings();
             all.filter(|w| w.code.severity() == Severity::Contradiction).count()
         },
     );

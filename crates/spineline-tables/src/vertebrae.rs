@@ -165,7 +165,7 @@ fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
     );
     add.text(
         "status",
-        "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
+        "`converged`, `unreachable`, `beyond_human_range`, `not_converged` or `fit_not_converged`; only the first is a result",
         |row| simulation(row).map(|s| s.status.key()),
     );
     add.number(

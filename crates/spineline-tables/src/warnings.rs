@@ -8,7 +8,7 @@ type WarningRow<'a> = Row<'a, &'a Warning>;
 
 /// One row per patient and warning.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
-    let rows = rows(patients, |patient| patient.analysis.warnings.all());
+    let rows = rows(patients, |patient| patient.analysis.all_warnings());
     keyed("warnings", "patient × warning", &rows, columns)
 }
 

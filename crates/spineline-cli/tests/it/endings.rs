@@ -37,6 +37,29 @@ fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
 }
 
 #[test]
+fn a_fit_without_a_bend_that_did_not_converge_is_said_and_does_not_fail_the_analysis() {
+    let here = with_phantom(&["--scenario", "random", "--subject", "6"]);
+    let case = "cases/phantom-random-06.json";
+    let (text, error, code) = here.run(&["analyze", case, "--method", "paper", "--json", "a.json"]);
+    let analysis = here.json("a.json");
+    let left_out = &analysis["comparison"]["left_out_bends"]["right_bending"]["inflection_line"];
+    assert_eq!(left_out["fit"]["status"], "iteration_limit", "the test means something");
+    let predicted = &left_out["postures"]["right_bending"];
+    assert_eq!(predicted["status"], "fit_not_converged", "{predicted}");
+    assert!(predicted["location_error_mm"].is_null(), "{predicted}");
+    let warnings = analysis["warnings"].as_array().expect("a list");
+    let said = |warning: &&Value| {
+        warning["code"] == "fit_not_converged" && warning["posture"] == "right_bending"
+    };
+    assert_eq!(warnings.iter().filter(said).count(), 1, "{warnings:?}");
+    assert!(
+        unwrapped(&text).contains("Without the right bend the fit of the inflection line"),
+        "{text}"
+    );
+    assert_eq!(code, 0, "{error}");
+}
+
+#[test]
 fn a_known_force_is_in_its_range_and_belongs_to_a_film_with_a_force() {
     let here = with_phantom(&[]);
     let with = |gauge: &str| here.run(&["analyze", CASE, "--gauge", gauge]);

@@ -294,7 +294,7 @@ impl AnalysisFile {
                 })
                 .collect(),
             uncertainty: None,
-            warnings: analysis.warnings.all().iter().map(WarningRecord::new).collect(),
+            warnings: analysis.all_warnings().map(WarningRecord::new).collect(),
             case,
         }
     }

@@ -49,7 +49,7 @@ struct FitRecord {
 struct SimulationRecord {
     /// Whether the stiffness was fitted to this film; else it was held out.
     fitted: bool,
-    /// `converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result.
+    /// `converged`, `unreachable`, `beyond_human_range`, `not_converged` or `fit_not_converged`; only the first is a result.
     status: String,
     /// Scale of the film against the erect film, from T2 for a film that was not fitted.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -31,9 +31,14 @@ impl SimulationWarning {
     pub fn not_found(film: &FilmLoad) -> Option<Self> {
         let (posture, status) = (film.posture, film.status.key());
         (film.status != PathEnding::Converged).then(|| {
-            let text = format!(
-                "the analysis found no force for the {posture} film ({status}); this is the one whose shape came nearest"
-            );
+            let text = match film.status {
+                PathEnding::FitNotConverged => format!(
+                    "the force for the {posture} film is by a fit of the stiffness that did not converge"
+                ),
+                _ => format!(
+                    "the analysis found no force for the {posture} film ({status}); this is the one whose shape came nearest"
+                ),
+            };
             Self::new(WarningCode::LoadNotFound, text)
         })
     }

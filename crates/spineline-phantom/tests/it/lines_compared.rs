@@ -12,8 +12,9 @@ use spineline::evaluate::Baseline;
 use spineline::hypothesis::{Hypothesis, LoadShape, Role};
 use spineline::measure::{Corners, FilmLandmarks, FilmLengthRule};
 use spineline::multibody::Support;
-use spineline::personalize::{Gauge, TestOutcome};
+use spineline::personalize::{FitStatus, Gauge, TestOutcome};
 use spineline::spatial::Pixel;
+use spineline::warning::WarningCode;
 use spineline_phantom::{Phantom, Readers, Scenario, generate};
 
 use crate::recovery::exact;
@@ -58,6 +59,44 @@ fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
     for model in first.left_out.iter().flat_map(|bend| &bend.models) {
         assert_eq!(model.simulations.iter().filter(|s| s.fitted).count(), 1);
     }
+}
+
+#[test]
+fn a_fit_that_did_not_converge_has_no_result() {
+    // Oracle: the ending of every fit. Joints that all turn to one side leave a force through the inflections a flat valley.
+    let (mut main, mut left_out) = (0, 0);
+    for index in [10, 17] {
+        let phantom = generate(index, Scenario::Bend, &Readers::default(), 1).expect("a phantom");
+        let analysis = analyze(&phantom.case, &AnalysisOptions::paper()).expect("a sound case");
+        let compared = analysis.comparison();
+        let bends = compared
+            .left_out
+            .iter()
+            .flat_map(|bend| bend.models.iter().map(move |model| (Some(bend.posture), model)));
+        let all = analysis.models.iter().map(|model| (None, model)).chain(bends);
+        for (bend, model) in all.filter(|(_, model)| model.fit.status != FitStatus::Converged) {
+            assert!(model.simulations.iter().all(|found| !found.is_usable()), "{}", model.kind);
+            for film in &compared.films {
+                let own = match film.role {
+                    FilmRole::LeftOutBend => bend == Some(film.posture),
+                    FilmRole::Fitted | FilmRole::HeldOut => bend.is_none(),
+                };
+                for by in [FilmPredictor::Line(model.kind), FilmPredictor::LineWithTilt(model.kind)]
+                {
+                    assert!(!own || compared.shape(film, by).is_none(), "{}: {by:?}", film.posture);
+                }
+            }
+            let said = analysis.all_warnings().filter(|warning| {
+                let about = (warning.code, warning.line, warning.posture);
+                about == (WarningCode::FitNotConverged, Some(model.kind), bend)
+            });
+            assert_eq!(said.count(), 1, "{bend:?}, {}", model.kind);
+            *(if bend.is_some() { &mut left_out } else { &mut main }) += 1;
+        }
+        let sentences = compared.sentences().join(" ");
+        assert_eq!(sentences.matches("did not converge").count(), compared.lost_fits().count());
+    }
+    assert!(main > 0 && left_out > 0, "the test means something: {main}, {left_out}");
 }
 
 /// The verdict's value agrees with its sentences, and every value occurs.

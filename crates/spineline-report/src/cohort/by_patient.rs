@@ -209,6 +209,6 @@ fn or_none(text: Option<&str>) -> String {
 }
 
 fn notices(analysis: &Analysis, kind: NoticeKind) -> usize {
-    let all = analysis.warnings.all().iter();
+    let all = analysis.all_warnings();
     all.filter(|warning| NoticeKind::from(warning.code.severity()) == kind).count()
 }

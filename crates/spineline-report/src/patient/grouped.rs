@@ -6,8 +6,8 @@ use spineline::warning::{Warning, WarningCode};
 use crate::document::Notice;
 
 /// One notice per warning. Warnings that differ only in film and numbers become one notice, at the place of the first.
-pub fn notices(warnings: &[Warning]) -> Vec<Notice> {
-    let mut groups: Vec<(Pattern, Vec<&Warning>)> = Vec::new();
+pub fn notices<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<Notice> {
+    let mut groups: Vec<(Pattern, Vec<&'a Warning>)> = Vec::new();
     for warning in warnings {
         let pattern = Pattern::of(warning);
         match groups.iter_mut().find(|(known, _)| warning.posture.is_some() && *known == pattern) {

@@ -312,6 +312,7 @@ pub fn by_line(analysis: &Analysis) -> Table {
     table.note = format!(
         "* without mechanics. Errors on fitted bends are not evidence for a line. {BAND_COVERAGE}"
     );
+    table.note.extend(found.lost_fits().map(|lost| format!(" {lost}")));
     table
 }
 

@@ -281,6 +281,7 @@ fn table(analysis: &Analysis) -> Table {
             || table.rows.iter().any(|row| row[0].contains(mark))
     };
     let shown = notes.into_iter().filter(|(mark, _)| has(mark)).map(|(_, note)| note);
+    let shown = shown.map(str::to_owned).chain(compared.lost_fits());
     table.note = shown.collect::<Vec<_>>().join(" ");
     table
 }

@@ -29,7 +29,7 @@ pub(super) fn sentences(section: &mut Section, analysis: &Analysis) {
 pub(super) fn verdict(analysis: &Analysis) -> Section {
     let mut section = Section::new("verdict", "Evidence, contradictions and warnings");
     sentences(&mut section, analysis);
-    let mut notices = grouped::notices(analysis.warnings.all());
+    let mut notices = grouped::notices(analysis.all_warnings());
     notices.sort_by_key(|notice| notice.kind);
     if notices.is_empty() {
         section.paragraph("No contradictions and no warnings.");

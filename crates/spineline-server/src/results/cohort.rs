@@ -221,7 +221,7 @@ fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
             cells.push(cell(&heading, error, 2));
         }
     }
-    let warnings = of(&|a| Some(a.warnings.all().len() as f64));
+    let warnings = of(&|a| Some(a.all_warnings().count() as f64));
     cells.push(cell("warnings", warnings, 0));
     cells
 }

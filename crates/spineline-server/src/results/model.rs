@@ -144,7 +144,7 @@ fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
 
 /// The notices of a study, with a warning if its lengths are typical and not measured.
 fn model_notices(result: &StudyResult, analysis: &Analysis) -> Vec<Notice> {
-    let mut notices = notices::of_result(result);
+    let mut notices = notices::with_comparison(result);
     if !analysis.movement.scale().has_millimetres() {
         let text = "the erect film has no spacing: the spine is drawn with a typical length";
         notices.push(notices::notice(Severity::Contradiction, "drawn_typical", text));

@@ -34,6 +34,15 @@ pub fn of_result(result: &StudyResult) -> Vec<Notice> {
     sorted(notices)
 }
 
+/// The same with those of the fits without a bend, which take one more fit per line and bend.
+pub fn with_comparison(result: &StudyResult) -> Vec<Notice> {
+    let mut notices = of_result(result);
+    if let Some(analysis) = result.analysis().filter(|analysis| !analysis.models.is_empty()) {
+        add_new(&mut notices, &analysis.comparison().warnings);
+    }
+    sorted(notices)
+}
+
 /// Adds warnings that are not included yet.
 pub fn add_new(notices: &mut Vec<Notice>, warnings: &Warnings) {
     for notice in warnings.all().iter().map(of_warning) {

@@ -84,6 +84,8 @@ fn status_text(simulation: &Simulation, top: Level) -> String {
         format!("{status}; {left}")
     } else if simulation.status == PathEnding::BeyondHumanRange {
         format!("{status}: no human spine takes this shape, and it is not a result; {left}")
+    } else if simulation.status == PathEnding::FitNotConverged {
+        format!("{status}: the shape where the fit stopped is shown and is not a result; {left}")
     } else {
         format!("{status}: the nearest shape is shown and is not a result; {left}")
     }

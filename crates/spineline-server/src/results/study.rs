@@ -44,7 +44,7 @@ fn view(result: &StudyResult) -> LiveView {
         heights: Vec::new(),
         study: result.analysis().map(findings_of::of_study),
         options_text: result.options_text(),
-        notices: notices::of_result(result),
+        notices: notices::with_comparison(result),
     }
 }
 

@@ -54,7 +54,7 @@ pub fn known(
 
 /// The row of a result.
 pub fn of_result(result: &StudyResult) -> ResultSummary {
-    let notices = notices::of_result(result);
+    let notices = notices::with_comparison(result);
     let count = |severity| notices.iter().filter(|notice| notice.severity == severity).count();
     let (status, status_text) = status(result);
     ResultSummary {

@@ -1,5 +1,6 @@
 //! The fits and predictions that compare the lines of one patient.
 
+use super::endings::left_out_warnings;
 use super::models::{FitTask, bending_loads, fit_model, free_load, geometric_line, settings_of};
 use super::{
     Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, FreeNumbers, LeftOutBend,
@@ -64,7 +65,8 @@ impl Analysis {
         }
         let bends = left_out.iter().map(|b| film(b.posture, FilmRole::LeftOutBend, &b.models));
         let films = fitted.into_iter().chain(bends).chain(held_out).collect();
-        LinesCompared { lines: lines.collect(), films, left_out }
+        let warnings = left_out_warnings(&left_out);
+        LinesCompared { lines: lines.collect(), films, left_out, warnings }
     }
 
     /// Whether errors on a film are lengths: both it and the erect film have a scale.
@@ -82,7 +84,7 @@ impl Analysis {
         rotations: &RotationPrior,
     ) -> Option<FilmShape> {
         let model = models.iter().find(|model| model.kind == kind)?;
-        if model.fit.status == FitStatus::NotEvaluable {
+        if model.fit.status != FitStatus::Converged {
             return None;
         }
         let movement = &self.movement;

@@ -9,6 +9,7 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{Baseline, BaselinePrediction, FilmShape, Simulation};
 use crate::personalize::{FitTarget, Gauge};
+use crate::warning::Warnings;
 
 named! {
     /// Role of a film in the fit.
@@ -229,6 +230,8 @@ pub struct LinesCompared {
     pub films: Vec<ComparedFilm>,
     /// The fits without one of the bends; empty with only one bend.
     pub left_out: Vec<LeftOutBend>,
+    /// Those of them that did not converge.
+    pub warnings: Warnings,
 }
 
 /// Mean errors of one line over the films of a role on which it has a result.

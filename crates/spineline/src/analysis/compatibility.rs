@@ -92,13 +92,13 @@ impl Analysis {
     /// line of best fit to the rotations another line: not through the inflections, not along the iliac line, or not along the
     /// given line? Holm's correction is over all questions: a true line is rejected with a probability of at most 0.05. The joints'
     /// test takes the place of the line, the lever arms and the noise of the tilts as known; the line's test does not
-    /// ([`crate::personalize::BestFitLoads`]).
+    /// ([`crate::personalize::BestFitLoads`]). Of a fit, the joints' test takes the sign of the force alone.
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
         let films =
             || model.simulations.iter().filter(|s| s.fitted && s.shape.posture.bend().is_some());
         let mut bends: Vec<BendEvidence> = films()
-            .filter(|s| s.is_usable())
+            .filter(|s| s.has_force())
             .map(|s| {
                 let beyond_noise = s.contradicted.iter().filter(|j| j.beyond_noise).count();
                 let joints = s.joints();
@@ -129,7 +129,7 @@ impl Analysis {
         for (p, adjusted) in all.iter_mut().zip(&adjusted) {
             **p = *adjusted;
         }
-        let without_force = films().filter(|s| !s.is_usable()).map(|s| s.shape.posture).collect();
+        let without_force = films().filter(|s| !s.has_force()).map(|s| s.shape.posture).collect();
         Compatibility { bends, without_force, tests: adjusted.len() }
     }
 }

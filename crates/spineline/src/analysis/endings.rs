@@ -1,7 +1,7 @@
 //! Warnings about how fits and simulations of a line ended.
 
 use super::compatibility::against_by_chance;
-use super::{Analysis, LineModel};
+use super::{Analysis, LeftOutBend, LineModel};
 use crate::action::LineKind;
 use crate::evaluate::Simulation;
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, PathEnding};
@@ -22,7 +22,10 @@ pub(super) fn human_range_words() -> String {
 pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     let mut warn = |code, posture, text| warnings.line(code, model.kind, posture, text);
     if model.fit.status != FitStatus::Converged {
-        let text = format!("the fit did not converge (`{}`)", model.fit.status.key());
+        let text = format!(
+            "the fit did not converge (`{}`), so its shapes are not results",
+            model.fit.status.key()
+        );
         warn(WarningCode::FitNotConverged, None, text);
     }
     for simulation in &model.simulations {
@@ -33,7 +36,7 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
                 human_range_words()
             );
             warn(WarningCode::BeyondHumanRange, posture, text);
-        } else if !simulation.is_usable() {
+        } else if !simulation.has_force() {
             let text = format!(
                 "the force was not found (`{}`): the nearest shape is shown, which is not a result",
                 simulation.status.key()
@@ -50,6 +53,21 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     }
 }
 
+/// Warns of the fits without a bend that did not converge.
+pub(super) fn left_out_warnings(left_out: &[LeftOutBend]) -> Warnings {
+    let mut warnings = Warnings::default();
+    for LeftOutBend { posture, models } in left_out {
+        for model in models.iter().filter(|model| model.fit.status != FitStatus::Converged) {
+            let text = format!(
+                "the fit without this bend did not converge (`{}`), so it does not predict the bend",
+                model.fit.status.key()
+            );
+            warnings.line(WarningCode::FitNotConverged, model.kind, Some(*posture), text);
+        }
+    }
+    warnings
+}
+
 impl Analysis {
     /// What contradicts the lines that the bends keep, and the multipliers of their models that reached a limit.
     ///
@@ -59,7 +77,7 @@ impl Analysis {
         let mut warnings = Warnings::default();
         for model in self.models.iter().filter(|model| !self.compatibility(model).rejects()) {
             warn_of_bounds(model, &mut warnings);
-            for simulation in &model.simulations {
+            for simulation in model.simulations.iter().filter(|s| s.has_force()) {
                 warn_of_contradiction(model.kind, simulation, &mut warnings);
             }
         }
@@ -68,6 +86,10 @@ impl Analysis {
 }
 
 fn warn_of_bounds(model: &LineModel, warnings: &mut Warnings) {
+    // Where the search of a fit stopped is not a limit that the films have.
+    if model.fit.status != FitStatus::Converged {
+        return;
+    }
     for (name, bound) in model.groups.titles().zip(&model.fit.bounds) {
         if *bound != StiffnessBound::Inside {
             let text = format!(

@@ -5,7 +5,7 @@ use super::models::settings_of;
 use super::{Analysis, AnalysisOptions, FilmMovement, Movement};
 use crate::clinical::RegionBounds;
 use crate::evaluate::RotationPrior;
-use crate::hypothesis::{Hypothesis, HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
+use crate::hypothesis::{Hypothesis, HypothesisFilm, HypothesisFit, Role, Spine, fit_hypothesis};
 use crate::multibody::PathEnding;
 use crate::personalize::{FitSettings, FitStatus, FitTarget, Gauge};
 use crate::warning::{WarningCode, Warnings};
@@ -106,6 +106,16 @@ fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
                 format!(
                     "{name}: the shape found for this film ({role}) {}: check the landmarks of this film, and do not trust this load",
                     human_range_words()
+                ),
+            ),
+            // The fit to all bends has its warning.
+            PathEnding::FitNotConverged if matches!(lost.role, Role::Fitted | Role::HeldOut) => {
+                continue;
+            }
+            PathEnding::FitNotConverged => (
+                WarningCode::FitNotConverged,
+                format!(
+                    "{name}: a fit that predicts this bend, left out, did not converge, so it is not predicted"
                 ),
             ),
             _ => (

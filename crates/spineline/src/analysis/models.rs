@@ -274,10 +274,11 @@ impl Evaluation<'_> {
         let film = FilmUnderLine { outline: &posture.outline, line, depth_mm: self.depth_mm };
         let shape_of = if fitted.is_some() { simulate } else { predict };
         let simulation = shape_of(&self.statics, film, &self.movement.regions, target);
-        // Nominal springs do not predict this patient.
         let status = match self.fit.status {
+            // Nominal springs do not predict this patient.
             FitStatus::NotEvaluable => PathEnding::NotConverged,
-            _ => simulation.status,
+            FitStatus::IterationLimit if simulation.is_usable() => PathEnding::FitNotConverged,
+            FitStatus::IterationLimit | FitStatus::Converged => simulation.status,
         };
         let contradicted = contradicted(posture, &simulation);
         Some(Simulation { status, contradicted, ..simulation })
@@ -322,9 +323,9 @@ fn hints(models: &[LineModel], bends: &[(&FilmMovement, Load)]) -> Vec<Start> {
         .collect()
 }
 
-/// A model's force on a film as a free load, before any known force scales it.
+/// A model's force on a film as a free load to start from, before any known force scales it.
 pub(super) fn free_load(model: &LineModel, posture: Posture) -> Option<[f64; 3]> {
-    let simulation = model.simulation(posture).filter(|s| s.is_usable())?;
+    let simulation = model.simulation(posture).filter(|s| s.has_force())?;
     let mut line = simulation.line;
     if line.application == Application::AtT2 {
         // In equilibrium a force at T2 is one along a line through where T2 is.

@@ -7,7 +7,7 @@ use super::{AnalysisOptions, LineModel, Movement};
 use crate::action::LineKind;
 use crate::hypothesis::HypothesisFit;
 use crate::reliability::{QuantityReliability, assess, film_quantities};
-use crate::warning::Warnings;
+use crate::warning::{Warning, Warnings};
 
 /// The results of all steps for one patient; a result that a film or an option does not allow is `None` or empty, with a warning.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +43,12 @@ impl Analysis {
             return Vec::new();
         }
         film_quantities(&[(&self.case_id, readings)]).iter().map(assess).collect()
+    }
+
+    /// The warnings of this analysis, and of its fits without one of the bends ([`Analysis::comparison`]).
+    pub fn all_warnings(&self) -> impl Iterator<Item = &Warning> {
+        let of_comparison = (!self.models.is_empty()).then(|| self.comparison().warnings.all());
+        self.warnings.all().iter().chain(of_comparison.into_iter().flatten())
     }
 
     /// Whether every fit and every simulation has a usable result.

@@ -8,7 +8,7 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{Baseline, Simulation};
 use crate::number::{fixed, probability};
-use crate::personalize::TestOutcome;
+use crate::personalize::{FitStatus, TestOutcome};
 use crate::warning::{Warning, WarningCode};
 
 impl Analysis {
@@ -137,7 +137,7 @@ impl Analysis {
 
     /// Why no bend tests a model's line.
     pub(super) fn not_tested_words(&self, model: &LineModel) -> &'static str {
-        let mut bends = model.simulations.iter().filter(|s| s.fitted && s.is_usable());
+        let mut bends = model.simulations.iter().filter(|s| s.fitted && s.has_force());
         let lacks_crests = |s: &Simulation| {
             let film = self.movement.film(s.shape.posture);
             film.is_some_and(|film| film.outline.iliac_normal.is_none())
@@ -269,6 +269,7 @@ impl LinesCompared {
             }));
             sentences.extend(self.with_tilt_words(role));
         }
+        sentences.extend(self.lost_fits());
         if let Some(ranking) = self.ranking() {
             sentences.extend(self.behind_words(&ranking));
             sentences.extend(self.prediction_verdict(&ranking));
@@ -277,6 +278,20 @@ impl LinesCompared {
             format!("Fitted bends: {errors}. A small fit error is not evidence for a line.")
         }));
         sentences
+    }
+
+    /// The fits without a bend that did not converge, one in a sentence.
+    pub fn lost_fits(&self) -> impl Iterator<Item = String> {
+        let models =
+            self.left_out.iter().flat_map(|bend| bend.models.iter().map(move |m| (bend, m)));
+        let lost = models.filter(|(_, model)| model.fit.status != FitStatus::Converged);
+        lost.map(|(bend, model)| {
+            format!(
+                "Without the {} the fit of the {} did not converge, so it does not predict this bend.",
+                bend_name(bend.posture),
+                model.kind
+            )
+        })
     }
 
     /// Errors of the predictions without mechanics on the films of a role, from the location of the top vertebra.

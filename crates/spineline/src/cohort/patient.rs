@@ -138,6 +138,8 @@ named! {
         NotConverged = "not_converged" as "the search for the force did not converge",
         /// The shape that was found is beyond the human range of motion.
         BeyondHumanRange = "beyond_human_range" as "the shape found is beyond the human range of motion",
+        /// The fit of the stiffness did not converge.
+        FitNotConverged = "fit_not_converged" as "the fit of the stiffness did not converge",
     }
 }
 
@@ -287,6 +289,7 @@ fn result_on(
         ending if ending.is_usable() => Ok(simulation),
         PathEnding::Unreachable => Err(NoResult::Unreachable),
         PathEnding::BeyondHumanRange => Err(NoResult::BeyondHumanRange),
+        PathEnding::FitNotConverged => Err(NoResult::FitNotConverged),
         _ => Err(NoResult::NotConverged),
     }
 }

@@ -157,6 +157,12 @@ impl Simulation {
         self.status.is_usable()
     }
 
+    /// Whether a force was found, also by a fit that did not converge. Its sign is known then; the shape may not be a result.
+    #[must_use]
+    pub fn has_force(&self) -> bool {
+        self.is_usable() || self.status == PathEnding::FitNotConverged
+    }
+
     /// Part of the joints' work that no positive stiffness explains.
     #[must_use]
     pub fn contradicted_weight(&self) -> f64 {

@@ -35,7 +35,7 @@ pub struct LostPrediction {
     pub posture: Posture,
     /// Role of the film.
     pub role: Role,
-    /// Why it is missing: the search for its load did not converge, or the shape is beyond the human range of motion.
+    /// Why it is missing: the fit or the search for its load did not converge, or the shape is beyond the human range of motion.
     pub reason: PathEnding,
 }
 
@@ -180,15 +180,22 @@ impl FittedHypothesis<'_> {
         self.found.status != FitStatus::NotEvaluable
     }
 
-    /// Predicts other films with this stiffness; `NotConverged` if the fit could not be evaluated.
+    /// Why nothing that follows from this fit is a result, if so.
+    const fn check(&self) -> Result<(), PathEnding> {
+        match self.found.status {
+            FitStatus::Converged => Ok(()),
+            FitStatus::IterationLimit => Err(PathEnding::FitNotConverged),
+            FitStatus::NotEvaluable => Err(PathEnding::NotConverged),
+        }
+    }
+
+    /// Predicts other films with this stiffness; an error if it was not found.
     fn predictor<'s, 'b>(
         &'s self,
         spine: &'s Spine<'b>,
         role: Role,
     ) -> Result<Predictor<'s, 'b>, PathEnding> {
-        if !self.is_evaluable() {
-            return Err(PathEnding::NotConverged);
-        }
+        self.check()?;
         let log_multipliers = &self.found.log_multipliers;
         Ok(Predictor { hypothesis: self.hypothesis, spine, log_multipliers, role })
     }
@@ -220,6 +227,7 @@ impl FittedHypothesis<'_> {
         }
         let (components, base) = fitted.loaded.split(&fitted.load);
         let found = FoundLoad { components: components.to_vec(), base };
-        found.shape(&fitted.loaded, film, role, spine)
+        let shape = found.shape(&fitted.loaded, film, role, spine)?;
+        self.check().map(|()| shape)
     }
 }

@@ -11,7 +11,7 @@ use crate::anatomy::named;
 named! {
     /// How a search for equilibria ended.
     ///
-    /// A force along a line ends as converged, beyond the human range, unreachable or not converged.
+    /// A force along a line ends as converged, beyond the human range, unreachable or not converged, or its fit did.
     pub enum PathEnding {
         /// The goal is met on the branch that starts at the erect spine, before it turns or splits, and only once; or the load was
         /// known and its equilibrium found.
@@ -31,6 +31,8 @@ named! {
         Unreachable = "unreachable",
         /// The path could not be followed to an end.
         NotConverged = "not_converged",
+        /// The search ended, but the fit of its stiffness did not converge. Only simulations of films have fits.
+        FitNotConverged = "fit_not_converged",
         /// The caller broke off: the rest of the path is not known.
         Interrupted = "interrupted",
     }
@@ -59,6 +61,9 @@ impl PathEnding {
             }
             Self::NotConverged => {
                 "the solver did not converge along the path of equilibria, with or against the loads, before the first solution was certain; try smaller loads, and rods whose poses do not contradict each other"
+            }
+            Self::FitNotConverged => {
+                "the fit of the stiffness did not converge; check the landmarks of the bends"
             }
             Self::Interrupted => "the search was interrupted",
         }

@@ -18,6 +18,7 @@ use spineline::multibody::{
 };
 use spineline::personalize::{Base, FitSettings};
 use spineline::spatial::{Angle, Frontal, Mat3, Pixel, Vec3};
+use spineline::warning::{Warning, WarningCode};
 use spineline_phantom::{Readers, Scenario, generate};
 
 fn analysis() -> Analysis {
@@ -293,6 +294,27 @@ fn a_fitted_shape_beyond_human_range_has_no_result() {
     }
     // Films that were not fitted show what a spine can do.
     assert_eq!(fit.of_role(Role::HeldOut).count(), 2);
+}
+
+#[test]
+fn a_fit_at_the_limit_of_iterations_predicts_no_film() {
+    // Joints that all turn to one side, by any amount, are far from what the weight of the trunk does.
+    let case = generate(3, Scenario::Bend, &Readers::default(), 1).expect("a phantom").case;
+    let hypotheses = vec![Hypothesis::of(LoadShape::Weight)];
+    let options = AnalysisOptions { hypotheses, ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a sound case");
+    let fit = &analysis.hypotheses[0];
+    assert_eq!(fit.ending_key(), "iteration_limit", "the test means something");
+    for role in [Role::Fitted, Role::HeldOut] {
+        assert_eq!(fit.of_role(role).count(), 0, "{role}");
+        let lost = fit.lost.iter().filter(|lost| lost.role == role);
+        assert_eq!(lost.filter(|lost| lost.reason == PathEnding::FitNotConverged).count(), 2);
+    }
+    let said = |warning: &&Warning| {
+        warning.code == WarningCode::FitNotConverged && warning.message.starts_with("weight")
+    };
+    let warnings: Vec<&Warning> = analysis.warnings.all().iter().filter(said).collect();
+    assert_eq!(warnings.iter().filter(|warning| warning.posture.is_none()).count(), 1);
 }
 
 #[test]
