@@ -1,6 +1,7 @@
 //! Hypotheses side by side over some patients.
 
 use super::{Criteria, Hypothesis, HypothesisFit, Role};
+use crate::least_squares::FitStatus;
 use crate::number::mean;
 use crate::spatial::Angle;
 
@@ -17,6 +18,8 @@ pub struct HypothesisScores {
     against: Option<f64>,
     /// Whether it can be the best: the fit converged, within the human range of motion.
     is_sound: bool,
+    /// Whether the criteria are at the minimum of the fit.
+    has_criteria: bool,
     /// Whether it predicts every bend that is left out.
     predicts_left_out: bool,
     /// Films and roles without a prediction, and one more for a fit that did not converge.
@@ -34,6 +37,7 @@ impl HypothesisScores {
             rotation_deg: Role::ALL.map(|role| fit.mean_rotation_rms(role).map(Angle::deg)),
             against: mean(fit.of_role(Role::Fitted).map(|film| film.against.joints as f64)),
             is_sound: fit.is_converged(),
+            has_criteria: fit.status == FitStatus::Converged,
             predicts_left_out: fit.lost.iter().all(|lost| lost.role != Role::LeftOut),
             lost: fit.lost.len() + usize::from(!fit.is_converged()),
         }
@@ -59,9 +63,9 @@ pub struct HypothesisSummary {
     pub rotation_deg: [Option<f64>; Role::ALL.len()],
     /// Joints per fitted film that turn against the load.
     pub against: Option<f64>,
-    /// AICc less the first hypothesis's.
+    /// AICc less the first hypothesis's, over the patients for whom both fits converged; not a number without one.
     pub aicc_difference: f64,
-    /// BIC less the first hypothesis's.
+    /// BIC less the first hypothesis's, likewise.
     pub bic_difference: f64,
     /// Patients for whom no other hypothesis has a lower left-out error.
     pub best_left_out: usize,
@@ -119,7 +123,7 @@ fn block(patients: &[&[HypothesisScores]], hypotheses: &[Hypothesis]) -> Hypothe
     let aicc = |fit: &HypothesisScores| fit.is_sound.then_some(fit.criteria.aicc);
     let summaries = hypotheses.iter().zip(&all).map(|(&hypothesis, fits)| {
         let difference = |value: fn(&Criteria) -> f64| {
-            let both = fits.iter().zip(&all[0]);
+            let both = fits.iter().zip(&all[0]).filter(|(a, b)| a.has_criteria && b.has_criteria);
             let differences = both.map(|(a, b)| value(&a.criteria) - value(&b.criteria));
             mean(differences).unwrap_or(f64::NAN)
         };

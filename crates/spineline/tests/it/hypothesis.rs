@@ -8,8 +8,8 @@ use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Levels, Posture};
 use spineline::evaluate::RotationPrior;
 use spineline::hypothesis::{
-    Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, LostPrediction, Role, Spine,
-    fit_hypothesis,
+    Hypothesis, HypothesisFilm, HypothesisFit, HypothesisScores, LoadShape, LostPrediction, Role,
+    Spine, compare, fit_hypothesis,
 };
 use spineline::measure::Outline;
 use spineline::multibody::{
@@ -300,10 +300,10 @@ fn a_fitted_shape_beyond_human_range_has_no_result() {
 fn a_fit_at_the_limit_of_iterations_predicts_no_film() {
     // Joints that all turn to one side, by any amount, are far from what the weight of the trunk does.
     let case = generate(3, Scenario::Bend, &Readers::default(), 1).expect("a phantom").case;
-    let hypotheses = vec![Hypothesis::of(LoadShape::Weight)];
+    let hypotheses = [LoadShape::InflectionLine, LoadShape::Weight].map(Hypothesis::of).to_vec();
     let options = AnalysisOptions { hypotheses, ..AnalysisOptions::default() };
     let analysis = analyze(&case, &options).expect("a sound case");
-    let fit = &analysis.hypotheses[0];
+    let fit = &analysis.hypotheses[1];
     assert_eq!(fit.ending_key(), "iteration_limit", "the test means something");
     for role in [Role::Fitted, Role::HeldOut] {
         assert_eq!(fit.of_role(role).count(), 0, "{role}");
@@ -315,6 +315,10 @@ fn a_fit_at_the_limit_of_iterations_predicts_no_film() {
     };
     let warnings: Vec<&Warning> = analysis.warnings.all().iter().filter(said).collect();
     assert_eq!(warnings.iter().filter(|warning| warning.posture.is_none()).count(), 1);
+    let blocks = compare(&[&HypothesisScores::all(&analysis.hypotheses)[..]]);
+    let [block] = &blocks[..] else { panic!("one block") };
+    let [line, weight] = &block.hypotheses[..] else { panic!("two loads") };
+    assert_eq!((line.aicc_difference, weight.aicc_difference.is_nan()), (0.0, true));
 }
 
 #[test]
