@@ -484,8 +484,7 @@ proptest! {
     #[test]
     fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..400), kind in 0..5usize) {
         let begin: &[u8] = [&b""[..], b"vertebra,", b"{\"markups\":[", b"MATLAB 5.0 MAT-file", b"{\"shapes\":["][kind];
-        let all = [begin, &bytes].concat();
-        let _ = parse_landmarks(&all, &hint());
+        let _ = parse_landmarks(&[begin, &bytes].concat(), &hint());
     }
 
     /// Nor do changes of a sound table.

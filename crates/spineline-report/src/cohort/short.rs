@@ -102,7 +102,7 @@ fn sure(cohort: &Cohort) -> String {
     format!("{lines}{baselines}")
 }
 
-/// A question that no difference of as many patients can answer in a family of so many tests.
+/// A question that a family of tests of as many patients cannot answer, whatever the differences are.
 fn too_few(question: &str, tests: usize) -> String {
     format!("Too few patients to test {question}: {}.", enough_words(tests))
 }

@@ -34,7 +34,7 @@ pub fn of_result(result: &StudyResult) -> Vec<Notice> {
     sorted(notices)
 }
 
-/// The same with those of the fits without a bend, which take one more fit per line and bend.
+/// The same with notices of the fits without a bend, which take one more fit per line and bend.
 pub fn with_comparison(result: &StudyResult) -> Vec<Notice> {
     let mut notices = of_result(result);
     if let Some(analysis) = result.analysis().filter(|analysis| !analysis.models.is_empty()) {

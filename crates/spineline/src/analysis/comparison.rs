@@ -230,7 +230,7 @@ pub struct LinesCompared {
     pub films: Vec<ComparedFilm>,
     /// The fits without one of the bends; empty with only one bend.
     pub left_out: Vec<LeftOutBend>,
-    /// Those of them that did not converge.
+    /// Of the fits that did not converge.
     pub warnings: Warnings,
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct Replicated<'a> {
 /// The films of a case, the erect one first.
 pub(super) struct Measured {
     pub readings: Vec<FilmReadings>,
-    /// Between the vertebrae that all films show: those of the model.
+    /// Between the vertebrae of the model, which all films show.
     pub outlines: Vec<Outline>,
     /// Between the vertebrae that each film shows; `None` where all show the same.
     pub whole: Option<Vec<Outline>>,

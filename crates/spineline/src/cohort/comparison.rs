@@ -96,7 +96,7 @@ pub(super) fn corrected_by_holm(family: &[PairedComparison]) -> Vec<Option<f64>>
     family.iter().map(|one| one.sign_flip.and_then(|_| found.next().flatten())).collect()
 }
 
-/// The number of patients that are enough for a significant difference in a family of so many tests, in words.
+/// The number of patients that are enough for a significant difference in a family of this number of tests, in words.
 ///
 /// # Definition
 /// The smallest `n` whose least sign-flip probability, `2 / 2^n`, times the number of tests is below [`SIGNIFICANCE`]. Tests of at least `n`

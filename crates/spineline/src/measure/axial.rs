@@ -134,10 +134,10 @@ pub(super) fn height_over(body: &Corners<Frontal>, pedicles: [Frontal; 2]) -> f6
 
 /// Heights of [`height_over`] at which pedicles may be a vertebra's own.
 ///
-/// A pedicle lies behind the upper half of its body, so a film shows it higher the more the vertebra leans forward, which L5 and L4 do most.
-/// On phantoms of the five shapes from the side, pedicles of the body's own height or of a quarter above it (assumption) lie from -0.45
-/// to 0.76, of L5 and L4 to 1.12; those of the next vertebra above from 0.98 on, at L5 and L4 from 1.46 on; those of the next one
-/// below lie from -0.9 down at most levels.
+/// A pedicle lies behind the upper half of its body, so a film shows it higher the more the vertebra is tilted forward, as L5 and L4 are most.
+/// On phantoms of the five shapes from the side, a vertebra's own pedicles, at the height of its body or a quarter above it
+/// (assumption), lie from -0.45 to 0.76, of L5 and L4 to 1.12. Pedicles of the next vertebra above lie from 0.98 on, at L5 and L4 from
+/// 1.46 on, and pedicles of the next one below from -0.9 down at most levels.
 pub(super) fn own_heights(level: Level) -> RangeInclusive<f64> {
     let most = if level <= Level::L4 { 1.25 } else { 1.0 };
     -0.75..=most

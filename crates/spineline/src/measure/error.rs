@@ -158,12 +158,12 @@ faults! {
         #[help("give the measured tilt of every vertebra in degrees (`tilt_deg`)")]
         TiltsEqual,
         /// Locations that run along their first coordinate, beside tilts of an upright spine.
-        #[error("the locations run along their first coordinate, but the tilts are those of an upright spine, so the two coordinates are exchanged")]
+        #[error("the locations run along their first coordinate, but the tilts belong to an upright spine, so the two coordinates are exchanged")]
         #[code("axes_exchanged")]
         #[help("`location_mm` is [to the patient's left, cranial]: exchange the two numbers of every location")]
         LocationsExchanged,
         /// Locations that run downwards, beside tilts of an upright spine.
-        #[error("the second coordinate falls from the lowest vertebra to the highest, but the tilts are those of an upright spine, so it counts downwards as rows do")]
+        #[error("the second coordinate falls from the lowest vertebra to the highest, but the tilts belong to an upright spine, so it counts downwards as rows do")]
         #[code("rows_from_top")]
         #[help("`location_mm` is [to the patient's left, cranial]: change the sign of the second number of every location")]
         LocationsDownwards,

@@ -95,7 +95,7 @@ pub(super) fn check_tilts(
 }
 
 /// Why tilts go to the other side than the curve of their locations. Exchanged coordinates, and a cranial one that counts downwards, mirror
-/// the locations too, and turn them against tilts that stay those of an upright spine.
+/// the locations too, and turn them against tilts that still belong to an upright spine.
 fn reversal_of(reading: &Reading<Placement>) -> MeasureFault {
     let placed = || reading.vertebrae.values();
     let cranial = cranial_of(placed().map(|one| one.location));

@@ -8,13 +8,13 @@ use spineline_store::{
     Name, ReadingId, ReadingRecord, Signature, Store, StoreError, StudyEdit, WithdrawalCause,
 };
 
-use super::view;
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, width};
 
 pub fn list_readings(path: &Path, study: &str) -> Result<Ending, Failure> {
-    let table = table(&view(path)?, &store_name(study)?);
+    let name = store_name(study)?;
+    let table = Store::view(path).and_then(|store| table(&store, &name));
     let table = table.map_err(|error| Failure::file(path, &error))?;
     print(Lines::of_text(&terminal::table(&table, width())))
 }
