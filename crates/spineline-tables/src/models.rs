@@ -25,7 +25,7 @@ pub(crate) fn models(patients: &[Patient<'_>]) -> Table {
 
 fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
     add.text("line", "line of action that the stiffness was fitted with", |row| row.kind.key());
-    add.text("fit_status", "`converged`, `iteration_limit` or `not_evaluable`", |row| {
+    add.text("fit_status", "`converged`, `iteration_limit`, `stalled` or `not_evaluable`", |row| {
         row.fit.status.key()
     });
     add.count("iterations", "iterations of the fit", |row| row.fit.iterations as usize);

@@ -34,7 +34,7 @@ pub(super) struct ModelRecord {
 
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 struct FitRecord {
-    /// `converged`, `iteration_limit` or `not_evaluable`.
+    /// `converged`, `iteration_limit`, `stalled` or `not_evaluable`.
     status: String,
     iterations: u32,
     /// Starts that were refined.

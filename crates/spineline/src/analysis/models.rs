@@ -277,8 +277,12 @@ impl Evaluation<'_> {
         let status = match self.fit.status {
             // Nominal springs do not predict this patient.
             FitStatus::NotEvaluable => PathEnding::NotConverged,
-            FitStatus::IterationLimit if simulation.is_usable() => PathEnding::FitNotConverged,
-            FitStatus::IterationLimit | FitStatus::Converged => simulation.status,
+            FitStatus::IterationLimit | FitStatus::Stalled if simulation.is_usable() => {
+                PathEnding::FitNotConverged
+            }
+            FitStatus::IterationLimit | FitStatus::Stalled | FitStatus::Converged => {
+                simulation.status
+            }
         };
         let contradicted = contradicted(posture, &simulation);
         Some(Simulation { status, contradicted, ..simulation })

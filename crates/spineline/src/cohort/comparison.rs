@@ -105,9 +105,10 @@ pub(super) fn corrected_by_holm(family: &[PairedComparison]) -> Vec<Option<f64>>
 pub fn enough_words(tests: usize) -> String {
     let family = counted(tests, "test");
     let is_enough = |&n: &usize| tests as f64 * least_p(n) < SIGNIFICANCE;
+    let needs = if tests == 1 { "needs" } else { "need" };
     (2..=EXACT_UP_TO).find(is_enough).map_or_else(
         || format!("no number of patients is enough for {family}"),
-        |n| format!("from {n} patients on a difference can be significant, by Holm's correction over {family}"),
+        |n| format!("{family} {needs} {n} patients"),
     )
 }
 
@@ -135,9 +136,9 @@ mod tests {
         let family = |patients: usize| vec![comparison(&vec![1.0; patients]); 18];
         assert!(corrected_by_holm(&family(9)).iter().all(Option::is_none));
         assert_eq!(corrected_by_holm(&family(10)), [Some(18.0 / 512.0); 18]);
-        assert!(enough_words(18).starts_with("from 10 patients on "), "{}", enough_words(18));
+        assert_eq!(enough_words(18), "18 tests need 10 patients");
         // One test needs six patients: 2/32 is above 0.05.
-        assert!(enough_words(1).starts_with("from 6 patients on "), "{}", enough_words(1));
+        assert_eq!(enough_words(1), "1 test needs 6 patients");
         // Without a difference the p value is 1, which is a result.
         let mut mixed = family(10);
         mixed[3] = comparison(&[0.0; 10]);

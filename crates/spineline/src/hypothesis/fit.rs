@@ -184,7 +184,7 @@ impl FittedHypothesis<'_> {
     const fn check(&self) -> Result<(), PathEnding> {
         match self.found.status {
             FitStatus::Converged => Ok(()),
-            FitStatus::IterationLimit => Err(PathEnding::FitNotConverged),
+            FitStatus::IterationLimit | FitStatus::Stalled => Err(PathEnding::FitNotConverged),
             FitStatus::NotEvaluable => Err(PathEnding::NotConverged),
         }
     }

@@ -10,6 +10,8 @@ named! {
         Converged = "converged",
         /// The limit of iterations was reached.
         IterationLimit = "iteration_limit",
+        /// The derivatives promise a decrease, but no step that can be evaluated lowers the sum of squares.
+        Stalled = "stalled",
         /// The start itself could not be evaluated.
         NotEvaluable = "not_evaluable",
     }
@@ -83,7 +85,7 @@ pub(crate) fn minimize(
     rows: usize,
     mut evaluate: impl FnMut(&DVector<f64>, &mut System) -> bool,
 ) -> Minimum {
-    const MAX_ITERATIONS: u32 = 200;
+    const MAX_ITERATIONS: u32 = 1000;
     let n = x.len();
     clamp(&mut x, lower, upper);
     let (mut system, mut trial) = (System::new(rows, n), System::new(rows, n));
@@ -120,6 +122,7 @@ pub(crate) fn minimize(
             let step = step_at(damping.value);
             let Some(next) = step else {
                 if !damping.regularize() {
+                    status = FitStatus::Stalled;
                     break 'outer;
                 }
                 continue;
@@ -133,6 +136,7 @@ pub(crate) fn minimize(
                 break;
             }
             if !damping.reject() {
+                status = FitStatus::Stalled;
                 break 'outer;
             }
         }

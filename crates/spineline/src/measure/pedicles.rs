@@ -38,8 +38,8 @@ pub(crate) fn axial_rotations(
             if ![left, right].into_iter().all(|place| image.contains(place)) {
                 return Err(fault(PedicleFault::OffImage));
             }
-            check_height(image, reading, level, [left, right]).map_err(fault)?;
             let pair = PediclePair::of(landmark, |place| image.frontal(place)).map_err(fault)?;
+            check_height(image, reading, level, [left, right]).map_err(fault)?;
             places.push(pair);
         }
         let marked = places.len();

@@ -204,8 +204,9 @@ fn wrong_pedicles_are_refused_by_name() {
     assert_eq!(refused(&|places| moved(places, 1e6)), PedicleFault::OffImage);
     assert_eq!(refused(&|places| moved(places, f64::NAN)), PedicleFault::OffImage);
     assert_eq!(refused(&|places| moved(places, -800.0)), PedicleFault::FarFromBody);
+    // By 43 mm, about two heights of the body.
     let lowered = |places: &mut [Option<Pixel>; 2]| {
-        places.iter_mut().flatten().for_each(|place| place.row_px += 800.0);
+        places.iter_mut().flatten().for_each(|place| place.row_px += 300.0);
     };
     let far = refused(&lowered);
     assert!(matches!(far, PedicleFault::OtherLevel { .. }), "{far}");
