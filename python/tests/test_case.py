@@ -115,7 +115,7 @@ def test_an_error_has_the_value_and_the_limit_of_its_text(case: sl.Case, tmp_pat
         (lambda: with_age(-1.0), -1.0, 0.0),
         (lambda: with_age(130.0), 130.0, 125.0),
         (lambda: with_turned_axis(-200.0), -200.0, -180.0),
-        (lambda: with_spring(-2.0), -2000.0, 0.0),
+        (lambda: with_spring(-2.0), -2.0, 0.0),
         (lambda: sl.phantom(noise=20.0), 20.0, 10.0),
         (lambda: sl.phantom(subject=0), 0.0, 1.0),
         (lambda: sl.analyze(case, order_rule=99), 99.0, None),

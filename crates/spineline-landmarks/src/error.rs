@@ -303,7 +303,8 @@ spineline::faults! {
         /// An iliac crest that a report cannot hold.
         #[error("{0} film: an iliac crest lies outside of the picture")]
         #[help("place the tips of both iliac crests on the picture, or remove both")]
-        Crests(spineline::anatomy::Posture),
+        #[at(film = FilmView::from(*posture))]
+        Crests(Posture as posture),
         /// The picture does not match the landmarks.
         #[error("{0}")]
         #[help("name the film's DICOM file as `file` of its `image` in the case; in Python give it as `dicom`")]

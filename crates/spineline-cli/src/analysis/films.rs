@@ -7,7 +7,7 @@ use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline::warning::{WarningCode, Warnings};
 use spineline_files::{CaseFile, FilmSource};
-use spineline_films::{Stated, film_doubts};
+use spineline_films::{FilmError, Stated, film_doubts};
 use spineline_landmarks::{parse_source, read_source};
 
 use crate::run::failure::Failure;
@@ -55,6 +55,14 @@ impl Beside {
             Ok(film) => other_size((film.columns, film.rows), self.size),
             // The file with the landmarks, by its SHA-256.
             Err(_) if self.source.sha256.is_some() => None,
+            // The decoder says nothing about the file.
+            Err(
+                FilmError::DecoderStart { .. }
+                | FilmError::DecoderTimeout { .. }
+                | FilmError::DecoderMemory { .. }
+                | FilmError::DecoderAnswer
+                | FilmError::TooLarge { .. },
+            ) => None,
             Err(error) => Some(format!("its file cannot be read as a film ({error})")),
         }
     }

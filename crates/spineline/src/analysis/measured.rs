@@ -85,6 +85,9 @@ pub(super) fn measure(
             noise.give_to(outline);
             held.errors.iter().for_each(|error| error.add_to(outline));
         }
+        for outline in &mut whole {
+            held.errors.iter().for_each(|error| error.add_to(outline));
+        }
     }
     if reports_doubts {
         for film in &films[1..] {

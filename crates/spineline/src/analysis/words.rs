@@ -123,7 +123,7 @@ impl Analysis {
             None if movement.whole_curve.is_some() => {
                 "No Lenke type: the erect curve does not have two inflections that separate three curves".to_owned()
             }
-            None => "No Lenke type: no curve reaches 10°, or the structural curves match no type"
+            None => "No Lenke type: no curve reaches 10°, the structural curves match no type, or an end vertebra is unusual or missing on a bend"
                 .to_owned(),
         }
     }
