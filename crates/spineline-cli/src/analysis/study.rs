@@ -29,7 +29,7 @@ pub fn add_case(
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
     let (warnings, observers) = film_warnings(path, &text)?;
     let is_other = |one: &&Warning| one.code == WarningCode::PictureDiffers;
-    let help = "put the film on which the landmarks were placed into the folder of the case";
+    let help = "put the film on which the landmarks were placed into the folder of the case, or correct `sha256` or the size of its `image` in the case";
     refuse_films(path, warnings.all().iter().filter(is_other), help)?;
     if !accept {
         let help = "give the case other films, or --accept if you are sure";

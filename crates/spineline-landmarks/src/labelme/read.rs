@@ -106,7 +106,7 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
     Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks })
 }
 
-/// The origin by a shape's flags; other flags belong to the user.
+/// The origin by a shape's flags that begin with [`FLAG`]; other flags belong to the user.
 fn origin_of(shape: &Shape, at: &str) -> Result<Option<Origin>, LandmarkError> {
     let set = shape.flags.iter().flatten().filter(|(_, is_set)| **is_set);
     let keys = set.filter_map(|(flag, _)| flag.strip_prefix(FLAG));

@@ -67,7 +67,9 @@ pub(super) fn measure(
         let noise = held.next().map(|noise| noise.film);
         let mut outline = outline_of(film, &measured.readings, shown, tilt, noise, warnings)?;
         if is_cut {
-            whole.push(outline);
+            whole.push(outline.clone());
+        }
+        if shown != levels {
             // The whole film gave the warnings about its landmarks already.
             let repeated = &mut Warnings::default();
             outline = outline_of(film, &measured.readings, levels, tilt, noise, repeated)?;

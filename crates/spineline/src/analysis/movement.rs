@@ -225,17 +225,22 @@ impl Movement {
         self.whole_curve.as_ref().or_else(of_regions)
     }
 
-    /// Between which vertebrae the curves are measured, for shapes of the model.
+    /// Between which vertebrae the curves are measured, for shapes of the model: as on the films, or as chosen on the model where it
+    /// lacks an end.
     #[must_use]
     pub fn curve_places(&self) -> Vec<CurvePlaces> {
         let erect = film_tilts(&self.erect().outline);
         let place = |(bounds, curve): (&RegionBounds, &ClinicalCurve)| {
             let CobbEnds { inferior, superior } = curve.ends;
-            let levels = self.levels();
-            let ends = [levels.index_of(inferior)?, levels.index_of(superior)?];
-            Some(CurvePlaces::between(*bounds, ends, &erect))
+            let [inferior, superior] = [inferior, superior].map(|end| self.levels().index_of(end));
+            match inferior.zip(superior) {
+                Some((inferior, superior)) => {
+                    CurvePlaces::between(*bounds, [inferior, superior], &erect)
+                }
+                None => CurvePlaces::choose(*bounds, &erect),
+            }
         };
-        self.regions.bounds.iter().zip(&self.clinical).filter_map(place).collect()
+        self.regions.bounds.iter().zip(&self.clinical).map(place).collect()
     }
 
     /// Kyphosis, lordosis, planes of maximum curvature and length of the erect spine in space; `None` without a lateral film.

@@ -96,12 +96,17 @@ impl Outline {
     pub fn at_scale(&self, scale: FilmScale) -> Self {
         let factor = self.length.scale.factor / scale.factor;
         let mut scaled = self.clone();
-        for vertebra in scaled.vertebrae.iter_mut().chain(&mut scaled.others) {
-            vertebra.location = vertebra.location * factor;
-        }
-        scaled.iliac_middle = self.iliac_middle.map(|middle| middle * factor);
+        scaled.multiply_places(factor);
         scaled.length.scale = scale;
         scaled
+    }
+
+    /// Multiplies the places of vertebrae and crests, in the frame of the base.
+    fn multiply_places(&mut self, factor: f64) {
+        for vertebra in self.vertebrae.iter_mut().chain(&mut self.others) {
+            vertebra.location = vertebra.location * factor;
+        }
+        self.iliac_middle = self.iliac_middle.map(|middle| middle * factor);
     }
 
     /// The same film in internal millimetres that give its spine the length of the erect one, where one of the two films is in pixels.
@@ -116,8 +121,8 @@ impl Outline {
             return self;
         }
         let share = 1.0 / factor;
+        self.multiply_places(share);
         for vertebra in self.vertebrae.iter_mut().chain(&mut self.others) {
-            vertebra.location = vertebra.location * share;
             if let Some(program) = &mut vertebra.program {
                 program.location_mm *= share;
             }
@@ -125,7 +130,6 @@ impl Outline {
                 interpolated.location_sd_mm *= share;
             }
         }
-        self.iliac_middle = self.iliac_middle.map(|middle| middle * share);
         self.l4_midpoint_on_film = self.l4_midpoint_on_film * share;
         self.noise.location_mm *= share;
         self.shared_errors = self.shared_errors.map(|shared| shared.with_lengths_times(share));

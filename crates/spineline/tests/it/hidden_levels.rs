@@ -227,6 +227,8 @@ fn vertebrae_hidden_on_one_film_leave_the_curves_of_the_others() {
     assert_eq!((found.levels().base(), found.levels().top()), (Level::L2, Level::T4));
     // Oracle: the erect film and the bends are as they were.
     assert_eq!((found.lenke, &found.balance), (whole.lenke, &whole.balance));
+    // A model lacks ends of some curves, and has places for all of them.
+    assert_eq!(found.curve_places().len(), whole.curve_places().len());
     for (a, b) in whole.clinical.iter().zip(&found.clinical) {
         assert_eq!((a.ends, a.apex, a.convex), (b.ends, b.apex, b.convex));
         for posture in [Posture::Erect, Posture::LeftBending, Posture::RightBending] {

@@ -189,23 +189,16 @@ pub enum StudyCommand {
 impl StudyCommand {
     /// Whether it changes the store, and its log names an author.
     pub const fn has_author(&self) -> bool {
-        match self {
-            Self::Create { .. }
-            | Self::Add { .. }
-            | Self::Plan { .. }
-            | Self::Release { .. }
-            | Self::Withdraw { .. }
-            | Self::Correct { .. }
-            | Self::Rename { .. }
-            | Self::Archive { .. } => true,
+        !matches!(
+            self,
             Self::List { .. }
-            | Self::Next { .. }
-            | Self::Export { .. }
-            | Self::Log { .. }
-            | Self::Verify { .. }
-            | Self::Backup { .. }
-            | Self::Restore { .. } => false,
-        }
+                | Self::Next { .. }
+                | Self::Export { .. }
+                | Self::Log { .. }
+                | Self::Verify { .. }
+                | Self::Backup { .. }
+                | Self::Restore { .. }
+        )
     }
 
     pub fn store(&self) -> &Path {

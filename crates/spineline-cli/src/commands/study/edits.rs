@@ -10,13 +10,13 @@ use spineline_store::{
 
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{print, width};
+use crate::run::outputs::{entry_width, print};
 
 pub fn list_readings(path: &Path, study: &str) -> Result<Ending, Failure> {
     let name = store_name(study)?;
     let table = Store::view(path).and_then(|store| table(&store, &name));
     let table = table.map_err(|error| Failure::file(path, &error))?;
-    print(Lines::of_text(&terminal::table(&table, width())))
+    print(Lines::of_text(&terminal::table(&table, entry_width())))
 }
 
 pub fn withdraw(

@@ -24,7 +24,7 @@ use crate::options::values::{author, store_name};
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
 use crate::run::messages::say;
-use crate::run::outputs::{Outputs, print, width};
+use crate::run::outputs::{Outputs, entry_width, print, width};
 
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
@@ -177,9 +177,7 @@ fn list(store: &Store) -> Result<String, StoreError> {
             table.row(vec![study.id.to_string(), nothing(), nothing(), nothing(), nothing()]);
         }
     }
-    // In a file or a pipe every entry is one line, so that programs find whole words.
-    let width = if stdout().is_terminal() { width() } else { usize::MAX };
-    Ok(terminal::table(&table, width))
+    Ok(terminal::table(&table, entry_width()))
 }
 
 fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String> {
@@ -215,9 +213,7 @@ fn log(store: &Store) -> Result<String, StoreError> {
         add.words("What", |entry| entry.action.clone());
         add.words("Object", |entry| shown_object(&entry.object));
     });
-    // In a file or a pipe every entry is one line, so that programs find whole words.
-    let width = if stdout().is_terminal() { width() } else { usize::MAX };
-    Ok(terminal::table(&table, width))
+    Ok(terminal::table(&table, entry_width()))
 }
 
 /// An object of the log. A terminal shows the start of a film's hash; a file or a pipe gets the whole hash.

@@ -34,6 +34,12 @@ pub fn width() -> usize {
     found.map_or(terminal::WIDTH, |(columns, _)| usize::from(columns.0).clamp(80, 120))
 }
 
+/// Columns of a table with a line per entry: [`width`] on a terminal; in a file or a pipe without limit, so that programs find whole
+/// words.
+pub fn entry_width() -> usize {
+    if io::stdout().is_terminal() { width() } else { usize::MAX }
+}
+
 /// Writes text for a program to the standard output, as it is; a terminal gets it as text for a person.
 pub fn print_data(text: &str) -> Result<Ending, Failure> {
     if io::stdout().is_terminal() { print(Lines::of_text(text)) } else { to_stdout(text) }
