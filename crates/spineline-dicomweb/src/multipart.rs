@@ -9,7 +9,7 @@ pub(crate) fn only_part(content_type: &str, body: Vec<u8>) -> Result<Vec<u8>, &'
         return Ok(body);
     }
     if kind != "multipart/related" {
-        return Err("it is neither a DICOM file nor a multipart answer");
+        return Err("it is not a DICOM file and not a multipart answer");
     }
     let boundary = boundary(content_type).ok_or("its multipart header has no boundary")?;
     let opening = format!("--{boundary}");

@@ -176,7 +176,7 @@ spineline::faults! {
         #[error(
             "{posture} film: `column_spacing_mm`, `row_spacing_mm`, `pixel_aspect` and `spacing_plane` contradict one another"
         )]
-        #[help("give both spacings and their plane (patient, detector or unknown), or neither and `pixels`, with `pixel_aspect` where pixels are not square")]
+        #[help("give both spacings and their plane (patient, detector or unknown); or leave both out and give `pixels`, with `pixel_aspect` where pixels are not square")]
         #[at(film = FilmView::from(*posture))]
         SpacingIncomplete {
             posture: Posture,

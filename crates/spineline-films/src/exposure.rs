@@ -63,7 +63,7 @@ impl fmt::Display for Exposures {
             }
             Self::Apart(None) => f.write_str("the files have Acquisition Dates of different days"),
             Self::NotStated => f.write_str(
-                "the files have neither one Frame of Reference UID nor both an Acquisition Time that decides",
+                "the files do not share a Frame of Reference UID, and their Acquisition Times do not decide",
             ),
         }
     }

@@ -263,7 +263,7 @@ spineline::faults! {
         NoFilm(Posture as posture),
         /// Locations and tilts instead of corners.
         #[error("{0} film: it holds locations and tilts of another program, and no corners")]
-        #[help("give a case whose vertebrae have corners, or export as CSV or Slicer")]
+        #[help("give a case that has corners of the vertebrae, or export as CSV or Slicer")]
         #[at(film = FilmView::from(*posture))]
         NoCorners(Posture as posture),
         /// Films with corners and films with locations do not go into one table.

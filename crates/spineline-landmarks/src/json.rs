@@ -13,7 +13,7 @@ use super::LandmarkError;
 /// the reader of a number refuses with its place.
 pub(super) fn parse_foreign<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, LandmarkError> {
     let text = decode_text(bytes).ok_or_else(|| LandmarkError::Unrecognised {
-        reason: "its text is neither UTF-8 nor UTF-16".to_owned(),
+        reason: "its text is not in UTF-8 or UTF-16".to_owned(),
     })?;
     parse_text(&text).or_else(|error| match with_json_numbers(&text) {
         Some(text) => parse_text(&text),

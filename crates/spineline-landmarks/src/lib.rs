@@ -116,9 +116,9 @@ pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile
         reason: match &text {
             Some(text) => {
                 let first = names::shown(text.trim_start().lines().next().unwrap_or_default());
-                format!("it is neither DICOM, MATLAB nor JSON, nor a table with a column `vertebra`; its first line is `{first}`")
+                format!("it is not DICOM, MATLAB or JSON, and not a table with a column `vertebra`; its first line is `{first}`")
             }
-            None => "it is neither DICOM, MATLAB nor JSON, nor text in UTF-8 or UTF-16".to_owned(),
+            None => "it is not DICOM, MATLAB or JSON, and not text in UTF-8 or UTF-16".to_owned(),
         },
     }))
 }

@@ -40,7 +40,7 @@ pub enum MarkingFault {
     },
     /// The spine runs down the picture, with the sides exchanged in every vertebra.
     #[error(
-        "in all {count} vertebrae the superior corners lie below the inferior ones and the sides are exchanged, so the film is upside down, or its file counts rows from the bottom: correct this and add the film again"
+        "in all {count} vertebrae the superior corners lie below the inferior ones, and the sides are exchanged. The film is upside down, or its file counts rows from the bottom: correct this and add the film again"
     )]
     RowsFromBottom {
         /// Vertebrae marked.

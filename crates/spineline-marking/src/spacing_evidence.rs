@@ -57,7 +57,7 @@ pub enum SpacingRemark {
         stated: bool,
     },
     /// The stated magnification and the distances contradict one another; neither is used.
-    #[error("the stated magnification {} and the one from the distances {} disagree; neither is used", fixed(*stated, 3), fixed(*by_distances, 3))]
+    #[error("the stated magnification {} and the one from the distances {} disagree; both are ignored", fixed(*stated, 3), fixed(*by_distances, 3))]
     MagnificationsDisagree {
         /// As stated.
         stated: f64,

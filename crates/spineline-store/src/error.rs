@@ -49,7 +49,7 @@ spineline::faults! {
         },
         /// SQLite's log or journal beside the store is damaged or belongs to another store.
         #[error(
-            "{}: this log is damaged, or belongs to another store or to another version of this one; neither it nor the store was changed",
+            "{}: this log is damaged, or belongs to another store or to another version of this one; the log and the store were not changed",
             log.display()
         )]
         #[help("to use the store without this log, move the log to another folder; to put a backup in the place of the store, use `spineline study restore BACKUP STORE`")]

@@ -129,7 +129,7 @@ fn better(add: &mut Points<'_, '_>) {
     share(
         add,
         "better",
-        "share of phantoms whose fitted films have a smaller location error with the inflection line",
+        "share of phantoms with a smaller location error of the fitted films with the inflection line",
         |row| with_interval(&row.claims.better),
     );
     verdict(add, "better_verdict", 2);

@@ -81,11 +81,11 @@ fn inflections(add: &mut Columns<'_, PatientRow<'_>>) {
     let of_end = [
         (
             "caudal",
-            "vertebrae around the caudal inflection, or the vertebra at whose midpoint it was put",
+            "vertebrae around the caudal inflection, or the vertebra with the midpoint at which it was put",
         ),
         (
             "cranial",
-            "vertebrae around the cranial inflection, or the vertebra at whose midpoint it was put",
+            "vertebrae around the cranial inflection, or the vertebra with the midpoint at which it was put",
         ),
     ];
     for (end, (name, meaning)) in of_end.into_iter().enumerate() {

@@ -11,7 +11,7 @@ pub const LAYERS: &str = include_str!("../data/landmarks.txt");
 pub const ERECT_SPINES: &str = include_str!("../data/erect_spines.txt");
 
 /// Names the origin where a program uses them.
-pub const NOTE: &str = "note: landmarks are proposed by weights learned from X-rays whose licence is not confirmed (AASCE 2019); `spineline licences` has the details";
+pub const NOTE: &str = "note: landmarks are proposed by weights learned from X-rays; their licence is not confirmed (AASCE 2019); `spineline licences` has the details";
 
 /// Licence and origin of all of these.
 pub const LICENCE: &str = include_str!("../LICENSE");

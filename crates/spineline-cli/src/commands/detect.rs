@@ -109,7 +109,7 @@ struct Made {
 fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Result<Made, Failure> {
     let place = path.display().to_string();
     let Some(posture) = args.posture else {
-        let help = "give --posture erect, left-bending, right-bending, neutral or traction, or a case whose films have postures";
+        let help = "give --posture erect, left-bending, right-bending, neutral or traction, or a case with the postures of its films";
         return Err(Failure::input(&place, "the posture of the film is not known", help));
     };
     let (film, sha256) = decoded(decoder, path, film_bytes(path)?)?;

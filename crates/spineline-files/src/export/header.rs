@@ -37,7 +37,7 @@ pub(super) fn about_bodies(
     let mut lines = opening(model, &format!("Vertebral bodies of a spine as {format}"), generator);
     lines.push(format!("Frame: {frame}"));
     lines.push(format!("Bodies: boxes at the midpoints and in the axes of the vertebrae of the personalised model, erect, {}. The origin is the midpoint of the lowest vertebra.", carried(model)));
-    lines.push("Angles: lateral tilt about the anterior axis of the patient (positive to the patient's right), then pitch about the left axis (flexion positive), then axial rotation about the cranial one (positive where the front turns to the patient's left).".to_owned());
+    lines.push("Angles: lateral tilt about the anterior axis of the patient (positive to the patient's right), then pitch about the left axis (flexion positive), then axial rotation about the cranial axis (positive where the front turns to the patient's left).".to_owned());
     lines.extend(sources(model));
     lines.push("NOMINAL, not measured: the depths and heights of the boxes, which are typical ones, scaled to the distances between vertebrae.".to_owned());
     lines

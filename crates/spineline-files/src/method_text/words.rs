@@ -25,7 +25,7 @@ pub(super) fn named<T: Named>(value: T) -> String {
 pub(super) fn order_rule(rule: OrderRule) -> String {
     match rule {
         OrderRule::LeaveOneOut => {
-            "smallest order whose error on left-out vertebrae is within 5 % of the best".to_owned()
+            "smallest order with an error on left-out vertebrae within 5 % of the best".to_owned()
         }
         OrderRule::Paper => "the paper's: smallest residual, nearly always order 12".to_owned(),
         OrderRule::TwoInflections => {

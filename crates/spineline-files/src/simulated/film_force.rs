@@ -36,7 +36,7 @@ impl SimulationWarning {
                     "the force for the {posture} film is by a fit of the stiffness that did not converge"
                 ),
                 _ => format!(
-                    "the analysis found no force for the {posture} film ({status}); this is the one whose shape came nearest"
+                    "the analysis found no force for the {posture} film ({status}); this is the force with the nearest shape"
                 ),
             };
             Self::new(WarningCode::LoadNotFound, text)

@@ -102,7 +102,7 @@ fn separator(heading: &[u8]) -> Result<u8, LandmarkError> {
     match found[..] {
         [one] => Ok(one),
         [] => Err(LandmarkError::Unrecognised {
-            reason: "the heading has neither commas, nor semicolons, nor tabs".to_owned(),
+            reason: "the heading has no commas, semicolons or tabs".to_owned(),
         }),
         _ => Err(LandmarkError::Ambiguous {
             at: "line 1".to_owned(),

@@ -393,7 +393,7 @@ impl List {
                 at: self.at.clone(),
                 reason: format!(
                     "its points extend over {} mm from front to back and {} mm from foot to head, and \
-                     lie neither in the plane of a picture nor in a coronal plane",
+                     do not lie in the plane of a picture or in a coronal plane",
                     fixed(posterior, 1),
                     fixed(superior, 1)
                 ),

@@ -467,7 +467,7 @@ fn files_without_landmarks_are_reported() {
         (r#"{"format":"spineline-case"}"#, "it is a Spineline file"),
         (r#"{"a":1}"#, "has no `markups`"),
         ("{", "line 1"),
-        ("0.1,0.2\n", "neither"),
+        ("0.1,0.2\n", "it is not DICOM"),
         ("", "the file is empty"),
     ] {
         let error = parse_landmarks(text.as_bytes(), &hint()).expect_err(text).to_string();

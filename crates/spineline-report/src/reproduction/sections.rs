@@ -214,7 +214,7 @@ fn third_points(columns: &Columns<'_>) -> [PaperNumber; 2] {
     });
     let rotation = claims(|claims| Cell::of(&claims.third_points_deg, 4));
     let (name, paper) =
-        ("films whose line meets the lumbar spine again", ("11 of 72", 100.0 * 11.0 / 72.0));
+        ("films on which the line meets the lumbar spine again", ("11 of 72", 100.0 * 11.0 / 72.0));
     let below = PaperMean::new(0.0020, 0.0015, 4);
     [
         beside(name, "%", paper, columns, films),
@@ -344,7 +344,7 @@ fn models(columns: &Columns<'_>, support: Support) -> Part {
         columns,
         against.collect(),
     ));
-    let of_phantoms = "`rod` has the paper's line built in, `pull` Petit's, `bend` neither; this decides which model has the smaller error.";
+    let of_phantoms = "`rod` has the paper's line built in, `pull` has Petit's, `bend` has no line; this decides which model has the smaller error.";
     let note = columns.note(MODELS_NOTE, of_phantoms);
     let note = format!("{} {TEST_LEGEND} {note}", ratio_legend());
     Part { title, support: Some(support), rows, note }

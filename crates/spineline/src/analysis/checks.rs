@@ -202,7 +202,7 @@ pub(super) fn note_given_ends(
         if are_curves && !(ends.inferior..=ends.superior).contains(&apex) {
             all_fit = false;
             let text = format!(
-                "the end vertebrae {own} that were given for the {region} curve lie on one side of its apex {apex}, so they do not measure this curve, and Lenke's type is left out: give one vertebra below and one above {apex}"
+                "the end vertebrae {own} that were given for the {region} curve lie on one side of its apex {apex}. They do not measure this curve, and Lenke's type is left out: give one vertebra below and one above {apex}"
             );
             warnings.push(WarningCode::EndVertebraeUnusual, text);
         }

@@ -73,7 +73,7 @@ impl Analysis {
             } else {
                 let films = ranking.role.predicted_words();
                 format!(
-                    "The {kind} has the smallest error on {films}, {} mm, of the lines whose model converged; {} did not converge.",
+                    "The {kind} has the smallest error on {films}, {} mm, of the lines with a converged model; {} did not converge.",
                     fixed(mm, 1),
                     listed(&lost)
                 )
@@ -88,7 +88,7 @@ impl Analysis {
         };
         let and = if allowed.is_some() { " and which is not rejected" } else { "" };
         let words = format!(
-            "No line has a result on films that it was not fitted to; the {kind} is the first line whose model converged{and}."
+            "No line has a result on films that it was not fitted to; the {kind} is the first line with a converged model{and}."
         );
         Some(ModelChoice { kind: *kind, words })
     }

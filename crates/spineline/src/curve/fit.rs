@@ -11,7 +11,7 @@ use crate::warning::{WarningCode, Warnings};
 /// How the order of the polynomial is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OrderRule {
-    /// The smallest order whose error on left-out vertebrae is within 5 % of the best.
+    /// The smallest order with an error on left-out vertebrae within 5 % of the best.
     #[default]
     LeaveOneOut,
     /// The paper's: the least residual of locations and tilts. The highest order nearly always has it.

@@ -57,7 +57,7 @@ pub enum RotationPriorError {
     },
     /// The patients do not share a joint.
     #[error(
-        "the patients do not share two vertebrae: learn from patients whose films show the same vertebrae"
+        "the patients do not share two vertebrae: learn from patients with the same vertebrae on their films"
     )]
     NoCommonJoints,
     /// The numbers are not a normal distribution.

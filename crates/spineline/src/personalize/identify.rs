@@ -45,7 +45,7 @@ use crate::number::or_infinite;
 pub const STIFFNESS_COVERAGE: &str = "The 95 % interval is of the mean stiffness of the joints, by a mixed model: joints of a group may differ, and landmarks have noise. On synthetic spines it held the true value in 88 to 99 % of tries where springs are linear, and in 68 to 89 % where they stiffen.";
 
 /// How often a 95 % interval of a multiplier holds the true one, in words: wherever such an interval is shown, by profile or over replicates.
-pub const MULTIPLIER_COVERAGE: &str = "A 95 % interval of a multiplier holds the true one in 95 % only if the model is exact. On synthetic spines that are not built as the model is, intervals held the true one in 34 to 85 % (spines of this project) and in 30 to 44 % (spines that others built).";
+pub const MULTIPLIER_COVERAGE: &str = "A 95 % interval of a multiplier holds the true one in 95 % only if the model is exact. On synthetic spines that are built differently from the model, it held the true one in 34 to 85 % (of this project) and in 30 to 44 % (of others).";
 
 /// Identifiability of the multipliers from the data of a fit.
 ///

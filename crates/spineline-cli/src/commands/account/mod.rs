@@ -54,7 +54,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
         }
         AccountCommand::Revoke { name: account, study, .. } => {
             store.revoke(&store_name(study)?, &store_name(account)?, &by).map_err(fail)?;
-            print(format!("Account {account} no longer sees study {study}."))
+            print(format!("Account {account} does not see study {study}."))
         }
         AccountCommand::List { .. } => Ok(Ending::Done),
     }

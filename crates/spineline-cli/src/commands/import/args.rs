@@ -266,7 +266,7 @@ fn yes_or_no(text: &str) -> Result<bool, String> {
     match text {
         "yes" => Ok(true),
         "no" => Ok(false),
-        other => Err(format!("`{other}` is neither `yes` nor `no`")),
+        other => Err(format!("`{other}` is not `yes` or `no`")),
     }
 }
 
@@ -319,7 +319,7 @@ fn reading(text: &str) -> Result<(PathBuf, ReadingId), String> {
 fn side_of_film(text: &str) -> Result<OfFilm<ImageSide>, String> {
     of_film(text, |side| {
         named(&side.to_ascii_lowercase())
-            .map_err(|_| format!("`{side}` is neither `image-left` nor `image-right`"))
+            .map_err(|_| format!("`{side}` is not `image-left` or `image-right`"))
     })
 }
 
