@@ -376,7 +376,7 @@ mod tests {
 
     #[test]
     fn crests_beside_a_vertebra_make_it_l4() {
-        // Centres whose votes say nothing.
+        // Centres with equal votes for all levels.
         let silent = |k: usize| Peak { levels: [1.0 / LEVELS as f64; LEVELS], ..peak(row(k), k) };
         let peaks: Vec<Peak> = (0..12).map(silent).collect();
         let last = 11;

@@ -100,7 +100,7 @@ spineline::faults! {
             found: String,
             expected: &'static str,
         },
-        /// A list of what a file holds one of.
+        /// A list of entries that each need a file.
         #[error("it is a list, and a file holds one {}", expected.trim_start_matches("spineline-"))]
         #[help("write each entry of the list into its own file, and give all these files")]
         List {
@@ -116,7 +116,7 @@ spineline::faults! {
             /// What can be read.
             supported: u32,
         },
-        /// A vertebra that is neither marked nor measured.
+        /// A vertebra without corners and without a measured location.
         #[error("{place}: a vertebra needs either its four corners, or `location_mm` and `tilt_deg`")]
         #[help(ONE_KIND_HELP)]
         Vertebra {

@@ -83,7 +83,7 @@ spineline::faults! {
             /// Newest schema known here.
             supported: i64,
         },
-        /// Neither file nor folder may be written.
+        /// The file or its folder is read-only.
         #[error("the store cannot be written: its file or folder is read-only")]
         #[help(RIGHTS_HELP)]
         ReadOnly,

@@ -310,8 +310,8 @@ impl List {
         }
     }
 
-    /// Refuses points in the patient that are not on the picture from its first pixel as their origin: where else the picture lies in
-    /// the patient is not known.
+    /// Refuses points in the patient that are not on the picture if its first pixel is their origin: the file has no other place of the
+    /// picture in the patient.
     fn check_on_picture(
         &self,
         bodies: &BTreeMap<Level, Corners<Lps>>,

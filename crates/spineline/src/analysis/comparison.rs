@@ -195,8 +195,8 @@ pub struct Ranking {
 }
 
 impl Ranking {
-    /// A line whose mean location error is larger predicts nothing, whatever the other errors: about half the height of a vertebral
-    /// body, so that a predicted midpoint lies nearer to the end of the body than to its middle.
+    /// A line with a larger mean location error predicts nothing: the limit is about half the height of a vertebral body, so that a
+    /// predicted midpoint lies nearer to the end of the body than to its middle.
     pub const MAX_PREDICTED_MM: f64 = 10.0;
 
     /// The line with the smallest error, and this error in mm.

@@ -12,13 +12,13 @@ use crate::personalize::{FitStatus, TestOutcome};
 use crate::warning::{Warning, WarningCode};
 
 impl Analysis {
-    /// Whether some film may not show the posture or the patient that it is named after, as far as its landmarks show.
+    /// Whether a warning doubts the posture or the patient of a film.
     #[must_use]
     pub fn has_doubted_film(&self) -> bool {
         self.film_doubts().next().is_some()
     }
 
-    /// The warnings of films that may not show the posture or the patient that they are named after.
+    /// The warnings that doubt the posture or the patient of a film.
     pub fn film_doubts(&self) -> impl Iterator<Item = &Warning> {
         self.warnings.all().iter().filter(|warning| warning.code.doubts_film())
     }

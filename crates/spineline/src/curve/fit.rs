@@ -379,17 +379,15 @@ fn error_rates(outline: &Outline, measured: &[Measured]) -> Vec<ErrorRate> {
     outline.measured().skip(1).flat_map(of_vertebra).collect()
 }
 
-/// Root mean square of the residuals that each vertebra would have, were it left out: `(I - H_ii)⁻¹ r_i` per block. Where vertebrae
-/// share errors, it is predicted with what the others say of its error, and `H` and `r` are in units of the error that is left
-/// ([`Whitening::by_blocks`]).
+/// Root mean square of the residuals of left-out vertebrae: `(I - H_ii)⁻¹ r_i` per block. Where vertebrae share errors, the errors
+/// of the others predict a part of each error, and `H` and `r` are in units of the remaining error ([`Whitening::by_blocks`]).
 ///
-/// T2 takes no part: without it the curve would have to reach beyond its data, which no use of it ever asks for, and
-/// which punishes high orders for what they do outside of the spine.
+/// T2 takes no part: without it, high orders would be judged by their values outside of the spine, which nothing uses.
 fn left_out_error(size: usize, q: &DMatrixView<'_, f64>, residual: &DVector<f64>) -> f64 {
     let blocks = residual.len() / size - 1;
     let squared_error = |block: usize| {
         let first = block * size;
-        // Blocks of two rows are filled up with a row that says nothing.
+        // Blocks of two rows get a row of zeros.
         let own = |rows: &dyn Fn(usize) -> f64| {
             Vector3::from_fn(|i, _| if i < size { rows(first + i) } else { 0.0 })
         };

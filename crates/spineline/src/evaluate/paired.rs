@@ -37,7 +37,7 @@ pub(crate) fn least_p(n: usize) -> f64 {
 /// Sign-flip test of some differences, one per patient; `None` for fewer than two.
 ///
 /// # Definition
-/// If neither of two lines is better, a patient's difference could as well have had the other sign. Of all `2^n` choices
+/// If two lines predict alike, the difference of a patient has either sign with the same probability. Of all `2^n` choices
 /// of signs, `p` is the part with `|Σ ± d| ≥ |Σ d|`. Up to [`EXACT_UP_TO`] patients all are counted; beyond, they are drawn
 /// from the seed. It assumes that differences are symmetric about zero, not that they are normal.
 ///
@@ -67,7 +67,7 @@ pub fn sign_flip(differences: &[f64], seed: u64) -> Option<SignFlip> {
     Some(SignFlip { n, p_two_sided, exact })
 }
 
-/// Part of all choices of signs whose sum is at least `seen` from zero. By symmetry the first keeps its sign; a Gray code
+/// Part of all choices of signs with a sum at least `seen` from zero. By symmetry the first keeps its sign; a Gray code
 /// changes one of the others at a time.
 fn all_flips(differences: &[f64], seen: f64) -> f64 {
     let choices = 1_u32 << (differences.len() - 1);

@@ -301,8 +301,8 @@ impl Share {
         Self::wilson(Summary::of(shares).mean, shares.len())
     }
 
-    /// The share with which a value of the first sample exceeds one of the second, ties counted half: 0.5 where the two cannot
-    /// be distinguished, 1 where every first value is larger.
+    /// The share of pairs in which the value of the first sample is larger, ties counted half: 0.5 for equal distributions, 1 where
+    /// every first value is larger.
     ///
     /// It is Mann and Whitney's U over its largest value. The interval uses an upper bound of its variance: the variance of a share of
     /// `n` independent units, where `n` is the size of the smaller sample [van-dantzig-1951].

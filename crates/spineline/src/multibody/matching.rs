@@ -116,8 +116,8 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
     path.found
 }
 
-/// As [`match_t2`](super::match_t2), near the result for a nearby place or shape, whose path has no other result near; `None` if no result is
-/// found there.
+/// As [`match_t2`](super::match_t2), near the result for a nearby place or shape; its path has no second result near. `None` if no
+/// result is found there.
 pub(crate) fn match_t2_near(
     statics: &Statics<'_>,
     load: &Load,
@@ -203,7 +203,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
     fn at(&mut self, force_n: f64) -> PathState {
         self.evaluations += 1;
         if let Some(t2) = self.t2_at(force_n) {
-            // The start for a load that moves with it.
+            // The start for a load that moves with T2.
             *self.solution.deformed.midpoints_mm.last_mut().expect("a vertebra") = t2;
         }
         self.load.solve(force_n, &mut self.solution);
@@ -357,7 +357,7 @@ impl<L: OneComponent, S: SearchTarget> Branch for Path<L, S> {
             self.longest_n *= 2.0;
             return Some(self.keep(next));
         }
-        // Again from where it came, by half.
+        // Again from the last point, with half the step.
         self.seen = [Some(*now), None];
         self.longest_n = 0.5 * step_n;
         None
@@ -385,7 +385,7 @@ impl<L: OneComponent, S: SearchTarget> Branch for Path<L, S> {
                 return ControlFlow::Break(Stop::Enough);
             }
             if self.evaluations > evaluations {
-                // Where the path goes on from.
+                // The path continues from here.
                 self.at(next.force_n);
             }
         }

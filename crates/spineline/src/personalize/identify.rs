@@ -103,7 +103,7 @@ impl MultiplierInformation {
     /// the gauge determines the only group.
     #[must_use]
     pub fn film_share(&self, prior_log_sd: f64, groups: usize, gauge: Gauge) -> Option<f64> {
-        // Where the mean is held, a prior alone gives each of independent values less their mean.
+        // Where the mean is held, a prior alone gives independent values minus their mean.
         let held = if gauge == Gauge::FrozenForce { 0.0 } else { 1.0 / groups as f64 };
         let variance_of_prior = prior_log_sd.powi(2) * (1.0 - held);
         let share = 1.0 - self.log_sd_with_prior?.powi(2) / variance_of_prior;
@@ -386,7 +386,7 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
             }
             known = x;
             inside = next;
-            // Far from the end, longer strides.
+            // Longer steps far from the end.
             if rise < 0.25 * Profile::LIMIT {
                 step *= 1.5;
             }
@@ -454,7 +454,7 @@ fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<StiffnessDirection> {
         .map(|i| {
             let way: Vec<f64> = ways.row(i).iter().copied().collect();
             let sum: f64 = way.iter().sum();
-            // One way of the two that a line has.
+            // A direction and its opposite are one result: the sum is positive.
             let sign = if sum < 0.0 { -1.0 } else { 1.0 };
             let value = found.singular_values[i];
             StiffnessDirection {

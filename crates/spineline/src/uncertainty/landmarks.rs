@@ -283,7 +283,7 @@ fn equivalent_axis_sd(
         * 0.5;
     let height = axis.norm_mm();
     let steps = image.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
-    // Across the axis, which lies as the body does.
+    // Across the axis of the body.
     let across = [sd_px[0] * steps[0] * axis.z_mm, sd_px[1] * steps[1] * axis.y_mm];
     Angle::from_rad(across[0].hypot(across[1]) / (height * height))
 }
@@ -398,7 +398,7 @@ fn pooled_axes(case: &Case) -> Option<Angle> {
                 .iter()
                 .filter_map(|(observer, landmark)| Some((*observer, landmark.axis_clockwise?)))
                 .collect();
-            // Against one of them, so that a film held upside down counts as any other.
+            // Against one of them: the angles of a film held upside down would wrap.
             pool.add(axes.iter().map(|(by, axis)| (*by, (*axis - axes[0].1).wrapped().rad())));
         }
     }

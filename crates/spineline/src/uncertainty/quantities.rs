@@ -62,7 +62,7 @@ named! {
         LeastDistance = "least_distance" as "distance from the inflection to the least-rotating segment",
         /// Angle between the line of best fit to the rotations and the inflection line.
         ComparisonAngle = "line_comparison_angle" as "angle between the line of best fit to the rotations and the inflection line",
-        /// Distance of the former from the middle of the inflections.
+        /// Distance of the line of best fit to the rotations from the middle of the inflections.
         ComparisonDistance = "line_comparison_distance" as "distance of the line of best fit to the rotations from the inflections",
         /// Lateral tilt of a line of action.
         LineTilt = "line_lateral_tilt" as "lateral tilt of the line of action, positive to the right",

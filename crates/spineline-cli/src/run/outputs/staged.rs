@@ -107,7 +107,7 @@ impl Outputs {
     /// Checks a file that may have the new content already, which is compared when it is written.
     ///
     /// # Errors
-    /// As [`Outputs::file`], but for what it replaces.
+    /// As [`Outputs::file`], except for refusals to replace a file.
     pub fn declare(&self, path: &Path) -> Result<(), Failure> {
         let Target::File(file) = Target::of(path)? else { return Ok(()) };
         let identity = self.check_own(path, &file)?;
@@ -290,8 +290,8 @@ impl Outputs {
         Err(Failure::target(path, &why, "name another file"))
     }
 
-    /// Refuses to replace files of other programs, changed files, and results of cases that are in neither the inputs, the cases that
-    /// were read, nor the content; `None` before the content is known.
+    /// Refuses to replace files of other programs, changed files, and results of cases that the inputs, the cases that were read and
+    /// the content do not have; `None` before the content is known.
     pub(super) fn check_replaceable(
         &self,
         path: &Path,

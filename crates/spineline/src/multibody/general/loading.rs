@@ -84,9 +84,9 @@ pub struct LoadItem {
     pub timing: Timing,
 }
 
-/// Two vertebrae whose relative pose is prescribed, as a rod screwed to both does.
+/// Prescribes the relative pose of two vertebrae, as a rod screwed to both does.
 ///
-/// A rod prescribes what the support leaves free. In a free support that is the whole pose. In a frontal support it is the
+/// It prescribes the components that the support leaves free. In a free support that is the whole pose. In a frontal support it is the
 /// tilt of the upper vertebra and its lateral place, both seen along the lower one's anterior axis: the support holds
 /// flexion, axial rotation and what follows from them, and the distance of the two vertebrae follows from the tilts of the
 /// joints, along which the screws slide. [`Loading::check`] refuses a rod that prescribes more.

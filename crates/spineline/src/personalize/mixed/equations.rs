@@ -388,7 +388,7 @@ impl<'a> Model<'a> {
 /// Covariance of the rotations of all films, film by film.
 fn noise_covariance(films: &[&FilmEvidence]) -> DMatrix<f64> {
     let joints = films[0].joints.len();
-    // The erect film is one and the same.
+    // All films share the erect film.
     let shared = of_rotations(&films[0].erect_tilts.covariance);
     let mut covariance = DMatrix::zeros(films.len() * joints, films.len() * joints);
     for (i, film) in films.iter().enumerate() {
