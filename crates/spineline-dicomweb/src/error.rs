@@ -116,7 +116,7 @@ impl DicomwebError {
                 "an administrator checks that the address belongs to the DICOMweb service (QIDO-RS and WADO-RS)"
             }
             Self::OtherFilm { .. } | Self::OtherPatient { .. } => {
-                "do not use this film: an administrator checks the archive: its index and its files contradict each other"
+                "do not use this film: an administrator checks the archive, because its index and its files contradict each other"
             }
             Self::TooLarge { .. } => "export the film from its archive, and upload the file",
         }
