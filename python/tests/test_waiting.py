@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -82,7 +83,8 @@ def test_ctrl_c_ends_a_long_call_within_a_second(call: str) -> None:
     assert ended.returncode == 0
 
 
-def test_other_threads_run_beside_a_long_call(analysis: sl.Analysis) -> None:
+def ticks_beside(call: Callable[[], object]) -> int:
+    """How often another thread wakes up during a call, about once per millisecond."""
     ticks = 0
     ended = threading.Event()
 
@@ -94,10 +96,23 @@ def test_other_threads_run_beside_a_long_call(analysis: sl.Analysis) -> None:
 
     thread = threading.Thread(target=tick)
     thread.start()
-    sl.replicates(analysis, n=50)
+    before = ticks
+    call()
+    during = ticks - before
     ended.set()
     thread.join()
-    assert ticks > 20
+    return during
+
+
+def test_other_threads_run_beside_a_long_call(analysis: sl.Analysis) -> None:
+    assert ticks_beside(lambda: sl.replicates(analysis, n=50)) > 20
+
+
+@pytest.mark.parametrize("name", ["warnings", "verdict"])
+def test_other_threads_run_beside_the_comparison_of_lines(case: sl.Case, name: str) -> None:
+    # The first use compares the lines. A call that blocks the interpreter allows one tick, before or after it.
+    fresh = [sl.analyze(case) for _ in range(5)]
+    assert sum(ticks_beside(lambda: getattr(one, name)) for one in fresh) > 2 * len(fresh)
 
 
 COHORT = """

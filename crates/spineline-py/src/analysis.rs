@@ -210,8 +210,8 @@ impl Analysis {
             request,
             identifiability,
         };
-        let now = parse_json(&results_text(&again.stored(&again.provenance)));
-        let now = now.map_err(Fault::from)?;
+        let now = py.detach(|| results_text(&again.stored(&again.provenance)));
+        let now = parse_json(&now).map_err(Fault::from)?;
         if results(then) == results(now) {
             return Ok(again);
         }
@@ -257,8 +257,8 @@ impl Analysis {
 
     /// The verdict in sentences.
     #[getter]
-    fn verdict(&self) -> Vec<String> {
-        self.analysis.verdict()
+    fn verdict(&self, py: Python<'_>) -> Vec<String> {
+        py.detach(|| self.analysis.verdict())
     }
 
     /// The case that was analysed.
@@ -280,8 +280,8 @@ impl Analysis {
 
     /// Every warning, in the order of the steps.
     #[getter]
-    fn warnings(&self) -> Vec<Finding> {
-        self.analysis.all_warnings().map(Finding::from).collect()
+    fn warnings(&self, py: Python<'_>) -> Vec<Finding> {
+        py.detach(|| self.analysis.all_warnings().map(Finding::from).collect())
     }
 
     /// The text of its file.
