@@ -45,7 +45,7 @@ class Spread:
     mean: float | None
     """Mean; None for a multiplier, whose logarithm has one."""
     sd: float | None
-    """Standard deviation; None for a multiplier."""
+    """Standard deviation; None for a multiplier, and of a single replicate."""
     quantiles: tuple[float, float, float, float, float] | None
     """The 2.5, 25, 50, 75 and 97.5 % quantiles; None if fewer than 40 replicates have the number, at a bound of the fit, and
     for distances and absolute errors, which any noise makes larger."""

@@ -75,7 +75,7 @@ impl From<&LoadedSpread> for LoadedSpreadRecord {
             unit: quantity.unit_key().to_owned(),
             value: found.nominal,
             mean: spread.map(|s| s.mean),
-            sd: spread.map(|s| s.sd),
+            sd: spread.and_then(|s| s.sd),
             interval_95: found.interval_95(),
             quartiles: spread.map(|s| [s.quantiles[1], s.quantiles[2], s.quantiles[3]]),
             count: found.count,

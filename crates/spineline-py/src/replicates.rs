@@ -117,7 +117,7 @@ impl Replicates {
                 unit,
                 value: one.nominal.ok(),
                 mean: one.spread.map(|spread| spread.mean),
-                sd: one.spread.map(|spread| spread.sd),
+                sd: one.spread.and_then(|spread| spread.sd),
                 // Without an interval, quantiles are left out too.
                 quantiles: one.interval_95().and(one.spread).map(|spread| spread.quantiles),
                 at_bound: one.at_bound,

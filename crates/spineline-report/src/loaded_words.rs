@@ -121,7 +121,7 @@ mod tests {
     ) -> String {
         let [low, high] = ends;
         let quantiles = [low, low, (low + high) / 2.0, high, high];
-        let spread = Some(Spread { mean: low, sd: 1.0, quantiles });
+        let spread = Some(Spread { mean: low, sd: Some(1.0), quantiles });
         let count = Spread::MIN_COUNT;
         let one = |state, nominal| LoadedSpread { quantity, state, nominal, count, spread };
         let found = LoadedUncertainty {

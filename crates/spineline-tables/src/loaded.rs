@@ -76,7 +76,7 @@ fn numbers(add: &mut Columns<'_, Number<'_>>) {
         Some(row.spread?.spread?.mean)
     });
     add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
-        Some(row.spread?.spread?.sd)
+        row.spread?.spread?.sd
     });
     add.interval(
         "interval_95",

@@ -39,9 +39,7 @@ fn spread(add: &mut Columns<'_, SpreadRow<'_>>) {
     add.number("mean", Unit::Stated, "mean over the replicates", |row| {
         row.spread.map(|spread| spread.mean)
     });
-    add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
-        row.spread.map(|spread| spread.sd)
-    });
+    add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| row.spread?.sd);
     add.interval(
         "interval_95",
         Unit::Stated,

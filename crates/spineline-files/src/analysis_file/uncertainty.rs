@@ -156,7 +156,7 @@ fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
         line: quantity.line.map(|line| line.key().to_owned()),
         value: found.nominal.ok(),
         mean: spread.map(|s| s.mean),
-        sd: spread.map(|s| s.sd),
+        sd: spread.and_then(|s| s.sd),
         interval_95: found.interval_95(),
         interval_coverage: quantity.interval_caveat().map(str::to_owned),
         at_bound: found.at_bound,

@@ -202,7 +202,7 @@ fn mean_and_largest(
     let sds: Vec<(f64, Level)> = levels
         .iter()
         .skip(1)
-        .filter_map(|level| Some((found.spread(of_film.at(level))?.sd, level)))
+        .filter_map(|level| Some((found.spread(of_film.at(level))?.sd?, level)))
         .collect();
     let Some(&(largest, level)) = sds.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else {
         return [none(), none()];
@@ -228,7 +228,7 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
         add.words("Unit", |one| one.quantity.unit(analysis).key());
         add.numbers("Value", |one| one.nominal.ok().map_or_else(none, |value| number(one, value)));
         add.numbers("Mean", |one| one.spread.map_or_else(none, |s| number(one, s.mean)));
-        add.numbers("sd", |one| one.spread.map_or_else(none, |s| fixed(s.sd, 2)));
+        add.numbers("sd", |one| one.spread.and_then(|s| s.sd).map_or_else(none, |sd| fixed(sd, 2)));
         add.words("95 % interval", |one| match one.interval_95() {
             Some([low, high]) => {
                 let caveat = one.quantity.interval_caveat();

@@ -308,7 +308,7 @@ fn requested_numbers_of_replicates_are_shown() {
         assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
     }
     for spread in found.quantities.iter().filter(|spread| spread.quantity.is_reported()) {
-        let sd = spread.spread.map_or("–".to_owned(), |s| fixed(s.sd, 2));
+        let sd = spread.spread.and_then(|s| s.sd).map_or("–".to_owned(), |sd| fixed(sd, 2));
         let label = words(&spread.quantity.label(&analysis));
         let rows = text.lines().map(words);
         let mut rows = rows.filter(|row| row.starts_with(&label)).peekable();
@@ -317,7 +317,7 @@ fn requested_numbers_of_replicates_are_shown() {
     }
     for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
         let tilt = QuantityKind::Tilt.on(posture);
-        let of = |level: Level| found.spread(tilt.at(level)).map(|s| s.sd);
+        let of = |level: Level| found.spread(tilt.at(level)).and_then(|s| s.sd);
         let sds = || Level::MODEL[1..].iter().filter_map(|&level| of(level));
         let largest = format!("{} (", fixed(sds().fold(0.0, f64::max), 2));
         let mean = format!("{} ", fixed(sds().sum::<f64>() / sds().count() as f64, 2));

@@ -8,8 +8,8 @@ use crate::spatial::Angle;
 pub struct Spread {
     /// Mean.
     pub mean: f64,
-    /// Standard deviation.
-    pub sd: f64,
+    /// Standard deviation; `None` of a single value.
+    pub sd: Option<f64>,
     /// The 2.5, 25, 50, 75 and 97.5 % quantiles.
     pub quantiles: [f64; 5],
 }
@@ -80,7 +80,7 @@ mod tests {
         let spread = found.spread().expect("two values");
         // 181° and 177°.
         assert!((spread.mean - 179.0).abs() < 1e-12, "{spread:?}");
-        assert!((spread.sd - 8.0_f64.sqrt()).abs() < 1e-12, "{spread:?}");
+        assert!(spread.sd.is_some_and(|sd| (sd - 8.0_f64.sqrt()).abs() < 1e-12), "{spread:?}");
         let mut line = Centred::around(Some(89.0), Some(180.0));
         line.add(-89.0);
         assert!((line.spread().expect("a value").mean - 91.0).abs() < 1e-12);

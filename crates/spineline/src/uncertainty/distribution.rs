@@ -55,9 +55,9 @@ impl Distribution {
         self.mean
     }
 
-    /// Standard deviation; zero for a single value.
-    pub fn sd(&self) -> f64 {
-        (self.squares / (self.count.max(2) - 1) as f64).sqrt()
+    /// Standard deviation; `None` for fewer than two values, which have no spread.
+    pub fn sd(&self) -> Option<f64> {
+        (self.count > 1).then(|| (self.squares / (self.count - 1) as f64).sqrt())
     }
 
     /// The quantiles of given parts; `None` without a value.
@@ -128,14 +128,16 @@ mod tests {
         let found = summary(&[1.0, 2.0, 4.0, 9.0]);
         assert!((found.mean() - 4.0).abs() < 1e-15);
         // Squares about the mean: 9 + 4 + 0 + 25 = 38.
-        assert!((found.sd() - (38.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        let sd = found.sd().expect("four values");
+        assert!((sd - (38.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!(found.count(), 4);
+        assert_eq!((summary(&[1.0]).sd(), summary(&[]).sd()), (None, None), "no spread is known");
     }
 
     #[test]
     fn one_value_again_and_again_has_no_spread() {
         let found = summary(&[0.3; 5000]);
-        assert!(found.sd() < 1e-15);
+        assert!(found.sd().is_some_and(|sd| sd < 1e-15));
         assert_eq!(found.quantiles(PARTS), Some([0.3; 5]));
         assert_eq!(Distribution::new().quantiles(PARTS), None);
     }

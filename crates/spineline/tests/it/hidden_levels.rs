@@ -402,7 +402,7 @@ fn replicates_carry_the_uncertainty_of_an_interpolated_vertebra() {
     let found = replicated(&monte_carlo, 40);
     let sd = |posture, level| {
         let quantity = QuantityKind::Tilt.on(posture).at(level);
-        found.spread(quantity).expect("a tilt has a spread").sd
+        found.spread(quantity).and_then(|spread| spread.sd).expect("a tilt has a spread")
     };
     // Oracle: landmarks that hardly move, and the stated 4.8°; 40 draws give a deviation to about a tenth.
     let hidden = sd(Posture::Neutral, Level::T9);
