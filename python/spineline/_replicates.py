@@ -48,9 +48,9 @@ class Spread:
     """Standard deviation; None for a multiplier, and of a single replicate."""
     quantiles: tuple[float, float, float, float, float] | None
     """The 2.5, 25, 50, 75 and 97.5 % quantiles; None if fewer than 40 replicates have the number, at a bound of the fit, and
-    for distances and absolute errors, which any noise makes larger."""
+    for distances, absolute errors and counter-rotating joints, which any noise makes larger."""
     grows_with_noise: bool
-    """Whether any noise makes the number larger. Distances and absolute errors grow with noise, and have no interval."""
+    """Whether any noise makes the number larger, so that it has no interval: distances, absolute errors and counter-rotating joints."""
     at_bound: bool
     """Whether the value is at a bound of the fit: the films do not identify it, and it has no interval."""
     count: int
@@ -124,8 +124,8 @@ class Replicates(Mapping[str, Spread]):
         Raises
         ------
         InputError
-            If the name is unknown, the number is at a bound of the fit, fewer than 40 replicates have it, or it is a distance
-            or an absolute error: any noise makes these larger, so an interval would be too high.
+            If the name is unknown, the number is at a bound of the fit, fewer than 40 replicates have it, or it is a distance,
+            an absolute error or a number of joints: any noise makes these larger, so an interval would be too high.
         """
         found = self[name]
         quantiles = found.quantiles
@@ -136,7 +136,7 @@ class Replicates(Mapping[str, Spread]):
             )
         if found.grows_with_noise:
             raise InputError(
-                f"`{name}` has no interval: any noise makes a distance or an absolute error larger",
+                f"`{name}` has no interval: any noise makes this number larger",
                 help="take its `mean` and `sd`, and compare them with its `value`",
             )
         fewest = _native.MIN_REPLICATES

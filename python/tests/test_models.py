@@ -166,7 +166,7 @@ def test_replicates_are_the_same_as_in_the_program(
     # Any noise makes an absolute error larger: it has a mean, but no interval.
     errors = [name for name in mc if name.startswith("mean_location_error")]
     assert errors and all(mc[name].quantiles is None for name in errors)
-    with pytest.raises(sl.InputError, match="any noise makes a distance or an absolute error larger"):
+    with pytest.raises(sl.InputError, match="any noise makes this number larger"):
         mc.interval(max(errors, key=lambda name: mc[name].count))
 
 

@@ -44,7 +44,7 @@ fn spread(add: &mut Columns<'_, SpreadRow<'_>>) {
         "interval_95",
         Unit::Stated,
         [
-            "2.5 % quantile; empty where fewer than 40 replicates have a value, at a bound of the fit, and for distances and absolute errors, which any noise makes larger",
+            "2.5 % quantile; empty where fewer than 40 replicates have a value, at a bound of the fit, and for distances, absolute errors and counter-rotating joints, which any noise makes larger",
             "97.5 % quantile, likewise",
         ],
         |row| row.interval_95(),

@@ -72,7 +72,7 @@ struct SpreadRecord {
     value: Option<f64>,
     mean: Option<f64>,
     sd: Option<f64>,
-    /// `null` where fewer than 40 replicates have it, at a bound of the fit, and for distances and absolute errors, which any noise makes larger.
+    /// `null` where fewer than 40 replicates have it, at a bound of the fit, and for distances, absolute errors and counter-rotating joints, which any noise makes larger.
     interval_95: Option<[f64; 2]>,
     /// How often the interval of a multiplier holds the true one; absent for other numbers.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -204,7 +204,7 @@ impl QuantityKind {
         }
     }
 
-    /// Whether it is a distance or an absolute error, which any noise makes larger on the mean.
+    /// Whether it is a distance, an absolute error or the number of counter-rotating joints, which any noise makes larger on the mean.
     #[must_use]
     pub const fn grows_with_noise(self) -> bool {
         matches!(
@@ -217,6 +217,7 @@ impl QuantityKind {
                 | Self::MeanErrorFitted
                 | Self::MeanErrorHeldOut
                 | Self::FergusonError
+                | Self::ContradictedJoints
         )
     }
 
@@ -404,7 +405,7 @@ mod tests {
 
     #[test]
     fn whatever_is_never_negative_and_vanishes_without_noise_has_no_interval() {
-        // Lengths of a difference, and absolute values of one.
+        // Lengths of a difference, absolute values of one, and joints that noise alone can turn against a true line.
         let grow = [
             QuantityKind::LeastDistanceSegments,
             QuantityKind::LeastDistance,
@@ -414,6 +415,7 @@ mod tests {
             QuantityKind::MeanErrorFitted,
             QuantityKind::MeanErrorHeldOut,
             QuantityKind::FergusonError,
+            QuantityKind::ContradictedJoints,
         ];
         assert!(grow.into_iter().all(QuantityKind::grows_with_noise));
         // Places and signed numbers, which noise carries to both sides.

@@ -65,7 +65,8 @@ impl QuantitySpread {
     }
 
     /// The central 95 % of the replicates. `None` where fewer than [`Spread::MIN_COUNT`] have the number, where it is at a bound of the fit, and for
-    /// distances and absolute errors: any noise makes these larger, a replicate has it twice, and the interval would lie too high.
+    /// distances, absolute errors and counter-rotating joints: any noise makes these larger, a replicate has it twice, and the interval
+    /// would lie too high.
     #[must_use]
     pub fn interval_95(&self) -> Option<[f64; 2]> {
         self.spread.filter(|_| self.may_have_interval())?.interval_95(self.count)
@@ -182,9 +183,9 @@ impl<'a> Tally<'a> {
 impl Uncertainty {
     /// A caveat on the intervals.
     pub const CAVEAT: &'static str = "Intervals hold the result of landmarks without noise; they contain no bias that all \
-                                      observers share, and no error of the model. Distances, angles between lines and absolute \
-                                      errors increase with any noise: their means exceed the values of landmarks without noise, \
-                                      and they have no interval.";
+                                      observers share, and no error of the model. Distances, angles between lines, absolute \
+                                      errors, and the counter-rotating joints of a true line increase with any noise: their means \
+                                      exceed the values of landmarks without noise, and they have no interval.";
 
     /// Distribution of a quantity; `None` if this analysis lacks the number, or no replicate had it.
     #[must_use]
