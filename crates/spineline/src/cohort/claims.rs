@@ -194,7 +194,7 @@ pub struct Claims {
     /// Interval of [`Claims::below_mean`]; `None` for fewer than six patients.
     pub below_mean_interval: Option<[f64; 2]>,
     /// Claim 3: share of patients whose fitted films have a smaller mean location error with the inflection line than with
-    /// the iliac line.
+    /// the iliac line; patients with equal errors count half.
     pub better: Share,
     /// The same on held-out films.
     pub better_held_out: Share,
@@ -244,7 +244,10 @@ impl Claims {
         let (inflections, means): (Vec<f64>, Vec<f64>) = both.unzip();
         let rotations_deg = [&means, &inflections].map(|values| Summary::of(values).mean);
         let wins = |fitted: bool| {
-            let win = |p: &PatientClaims| Some(f64::from(u8::from(p.advantage_mm(fitted)? > 0.0)));
+            let win = |p: &PatientClaims| {
+                let mm = p.advantage_mm(fitted)?;
+                Some(0.5 * f64::from(u8::from(mm > 0.0) + u8::from(mm >= 0.0)))
+            };
             Share::of_units(&all(&win))
         };
         let errors = [0, 1].map(|line| all(&|p| p.fitted_mm.map(|errors| errors[line])));
@@ -342,6 +345,10 @@ mod tests {
         assert_eq!(ClaimVerdict::above(0.5, [0.6, 0.9]), ClaimVerdict::Holds);
         assert_eq!(ClaimVerdict::above(0.5, [0.4, 0.9]), ClaimVerdict::Open);
         assert_eq!(ClaimVerdict::above(0.5, [0.1, 0.4]), ClaimVerdict::Fails);
+        let tie = patient(&[0.0; 8], [0.1, 0.09], [1.0, 1.0]);
+        let claims = Claims::of(&vec![tie; 20], 1);
+        assert_eq!((claims.better.share, claims.better_held_out.share), (0.5, 0.5));
+        assert_eq!(claims.verdicts()[2], Some(ClaimVerdict::Open), "equal errors favour no line");
         let one = patient(&[40.0; 8], [0.1, 0.09], [2.0, 1.0]);
         for few in [vec![], vec![one.clone()]] {
             assert!(Claims::of(&few, 1).verdicts().iter().all(Option::is_none));
