@@ -136,7 +136,8 @@ struct Fit<'s, 'a, F: FilmUnderLoad> {
     /// T2 as it was marked.
     top: Frontal,
     top_sd_mm: f64,
-    /// Standard deviation of T2's turn from the erect film.
+    /// Standard deviation of T2's turn from the erect film, by the noise of base and top; by the noise of the top where the angle of the
+    /// base is unknown, which takes up the noise of the base.
     turn_sd_rad: f64,
     /// Joint angles of the erect film plus the mean rotations of a bend, in rad.
     mean: DVector<f64>,
@@ -166,13 +167,21 @@ impl<'s, 'a, F: FilmUnderLoad> Fit<'s, 'a, F> {
         let turned = rotations.mean_of(outline.posture, &angles);
         let mean = turned.into_iter().zip(&angles).map(|(turn, angle)| angle.rad() + turn.rad());
         let weights = ShapeWeights::of_difference(&outline.noise, &erect.noise);
+        let top = outline.vertebrae.last()?;
+        let turn_sd_rad = match base {
+            Base::Fixed => TurnOfTop::of(erect, outline).sd.rad(),
+            Base::Noisy | Base::Free => {
+                let of_erect = erect.noise_of(erect.vertebrae.last()?);
+                ShapeWeights::of_difference(&outline.noise_of(top), &of_erect).tilt_sd_rad
+            }
+        };
         Some(Self {
             before,
             outline,
             springs,
-            top: outline.vertebrae.last()?.location * outline.length.scale.factor,
+            top: top.location * outline.length.scale.factor,
             top_sd_mm: outline.top_sd_mm(),
-            turn_sd_rad: TurnOfTop::of(erect, outline).sd.rad(),
+            turn_sd_rad,
             mean: DVector::from_iterator(angles.len(), mean),
             base_sd_rad: weights.tilt_sd_rad,
             largest: (components == 1).then_some(largest),

@@ -11,7 +11,7 @@ use spineline::hypothesis::{
     Hypothesis, HypothesisFilm, HypothesisFit, HypothesisScores, LoadShape, LostPrediction, Role,
     Spine, compare, fit_hypothesis,
 };
-use spineline::measure::Outline;
+use spineline::measure::{Outline, ProgramNoise};
 use spineline::multibody::{
     BodyLoad, FittedSprings, ForceSign, GeneralStatics, JointGroups, Load, LoadItem, Loading,
     NewtonWork, PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, match_t2,
@@ -191,6 +191,34 @@ fn on_a_free_base_another_axis_of_l4_changes_the_base_only() {
                 assert!((joint(&a.tilts) - joint(&b.tilts)).abs() < 0.05, "{load:?}, joint {i}");
             }
         }
+    }
+}
+
+#[test]
+fn on_a_free_base_the_noise_of_its_tilt_does_not_weaken_the_tilt_of_t2() {
+    // Oracle: whatever L4's axis is, the angle of the base takes it up.
+    let mut analysis = analysis();
+    let hypothesis = Hypothesis { load: LoadShape::InflectionLine, base: Base::Free };
+    let bend = |analysis: &Analysis| {
+        let fit = fitted(analysis, hypothesis, Angle::ZERO);
+        let mut found = fit.of_role(Role::LeftOutWithTilt);
+        let found = found.find(|one| one.shape.posture == Posture::LeftBending);
+        found.expect("a prediction").shape.locations.clone()
+    };
+    let sure = bend(&analysis);
+    for film in &mut analysis.movement.films {
+        if film.outline.posture == Posture::LeftBending {
+            film.outline.vertebrae[0].program = Some(ProgramNoise {
+                location_mm: 0.0,
+                tilt: Angle::from_deg(20.0),
+                placed_share: 1.0,
+                placed_tilt_share: 1.0,
+                is_reviewed: true,
+            });
+        }
+    }
+    for (a, b) in sure.iter().zip(bend(&analysis)) {
+        assert!(a.distance_mm(b) < 0.01, "{a:?} {b:?}");
     }
 }
 
