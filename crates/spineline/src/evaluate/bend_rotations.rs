@@ -91,10 +91,17 @@ impl BendStatistics {
         self.deviations.tr_mul(&self.deviations) / (self.deviations.nrows() as f64 - 1.0)
     }
 
-    /// Over bends, the sum of squares of the deviations of the product of two joints' deviations from the mean product, in rad⁴.
-    pub fn spread_of_products(&self, i: usize, j: usize) -> f64 {
+    /// The sum over patients of the square of a patient's sum, in rad⁴: of the deviations of the product of two joints' deviations from the
+    /// mean product. `bends` are the numbers of bends of the patients, in the order of the rows.
+    pub fn spread_of_products(&self, i: usize, j: usize, bends: &[usize]) -> f64 {
         let products = self.deviations.column(i).component_mul(&self.deviations.column(j));
-        products.norm_squared() - products.sum().powi(2) / products.len() as f64
+        let (mean, mut first) = (products.mean(), 0);
+        let of_patient = |&bends: &usize| {
+            let own = products.rows(first, bends).sum() - bends as f64 * mean;
+            first += bends;
+            own.powi(2)
+        };
+        bends.iter().map(of_patient).sum()
     }
 }
 
@@ -138,6 +145,9 @@ mod tests {
         let bend = BendRotations { rotations: angles.clone(), erect: angles };
         let found = BendStatistics::of(3, &[&bend; 5]);
         assert_eq!(found.erect_coefficient, 0.0);
-        assert_eq!((found.covariance().amax(), found.spread_of_products(1, 0)), (0.0, 0.0));
+        assert_eq!(
+            (found.covariance().amax(), found.spread_of_products(1, 0, &[1; 5])),
+            (0.0, 0.0)
+        );
     }
 }

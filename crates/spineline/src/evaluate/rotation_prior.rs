@@ -146,8 +146,8 @@ impl RotationPrior {
     /// # Definition
     /// Rotations are `m_j + b e_j` with the angle `e_j` of the joint on the erect film; `b`, one for all joints, is the least-squares slope
     /// about the joints' means. Mean and covariance are over all bends; every correlation between two joints is multiplied by `1 - λ`, where `λ` is the
-    /// sum of the variances of the correlations over the sum of their squares [schafer-strimmer-2005]; (0.5°)² of noise are
-    /// added to every variance.
+    /// sum of the variances of the correlations over the sum of their squares [schafer-strimmer-2005]; these variances are over patients, because
+    /// the bends of a patient share spine and erect film. (0.5°)² of noise are added to every variance.
     ///
     /// # Errors
     /// With fewer than five patients.
@@ -159,15 +159,16 @@ impl RotationPrior {
         patients: &[impl AsRef<[BendRotations]>],
     ) -> Result<Self, RotationPriorError> {
         let bends: Vec<&BendRotations> = patients.iter().flat_map(AsRef::as_ref).collect();
-        let with_bend = patients.iter().filter(|bends| !bends.as_ref().is_empty());
-        let (patients, needed) = (with_bend.count(), Self::MIN_PATIENTS);
+        let of_patients = patients.iter().map(|bends| bends.as_ref().len());
+        let of_patients: Vec<usize> = of_patients.filter(|&bends| bends > 0).collect();
+        let (patients, needed) = (of_patients.len(), Self::MIN_PATIENTS);
         if patients < needed {
             return Err(RotationPriorError::TooFewPatients { patients, needed });
         }
         let joints = levels.joints();
         let found = BendStatistics::of(joints, &bends);
         let sample = found.covariance();
-        let shrinkage = correlation_shrinkage(&found, &sample);
+        let shrinkage = correlation_shrinkage(&found, &sample, &of_patients);
         let covariance_rad2 = DMatrix::from_fn(joints, joints, |i, j| {
             if i == j {
                 sample[(i, i)] + Self::NOISE.rad().powi(2)
@@ -241,9 +242,14 @@ impl RotationPrior {
 
 /// The part by which correlations are reduced: the sum of their variances over the sum of their squares.
 ///
-/// `sample` is the covariance of the bends.
-fn correlation_shrinkage(found: &BendStatistics, sample: &DMatrix<f64>) -> f64 {
-    let bends = found.deviations.nrows() as f64;
+/// `sample` is the covariance of the bends, and `of_patients` are the numbers of bends of the patients.
+fn correlation_shrinkage(
+    found: &BendStatistics,
+    sample: &DMatrix<f64>,
+    of_patients: &[usize],
+) -> f64 {
+    let (bends, patients) = (found.deviations.nrows() as f64, of_patients.len() as f64);
+    let share = patients / (patients - 1.0) / (bends - 1.0).powi(2);
     let (mut variances, mut squares) = (0.0, 0.0);
     for i in 0..sample.nrows() {
         for j in 0..i {
@@ -252,7 +258,7 @@ fn correlation_shrinkage(found: &BendStatistics, sample: &DMatrix<f64>) -> f64 {
             if sizes == 0.0 {
                 continue;
             }
-            variances += bends / (bends - 1.0).powi(3) * found.spread_of_products(i, j) / sizes;
+            variances += share * found.spread_of_products(i, j, of_patients) / sizes;
             squares += sample[(i, j)].powi(2) / sizes;
         }
     }

@@ -152,8 +152,8 @@ fn mean_covariance_and_shrinkage_follow_from_the_bends() {
         panic!("learned")
     };
     assert_eq!((with_bend, films), (5, 6));
-    // From the definition, by numpy.
-    assert_near(shrinkage, 0.597_642_015_005_359_2, 1e-12, "shrinkage");
+    // From the definition, in Python.
+    assert_near(shrinkage, 0.486_457_601_852_878_6, 1e-12, "shrinkage");
     for (mean, expected) in prior.mean().iter().zip([1.75, 7.0 / 3.0, 0.75]) {
         assert_near(mean.deg(), expected, 1e-12, "mean in degrees");
     }
@@ -162,6 +162,17 @@ fn mean_covariance_and_shrinkage_follow_from_the_bends() {
     assert_near(deg2(0, 0), 0.875 + 0.25, 1e-9, "variance of a joint and of two tilts");
     assert_near(deg2(0, 1), 0.35 * (1.0 - shrinkage), 1e-9, "reduced covariance");
     assert_near(deg2(1, 0), deg2(0, 1), 0.0, "symmetry");
+
+    let shrinkage_of = |repeats: usize| {
+        let patients: Vec<_> = bends.iter().map(|one| vec![bend(one); repeats]).collect();
+        match RotationPrior::learned(levels, &patients).expect("six patients").source() {
+            PriorSource::Learned { shrinkage, .. } => shrinkage,
+            PriorSource::Published => panic!("learned"),
+        }
+    };
+    // The bends as of six patients, from the definition; a second bend that repeats the first one is not more evidence.
+    assert_near(shrinkage_of(1), 0.597_642_015_005_359_2, 1e-12, "shrinkage");
+    assert_near(shrinkage_of(2), shrinkage_of(1), 1e-12, "shrinkage with repeated bends");
 
     let too_few = RotationPrior::learned(levels, &patients[..4]).expect_err("four patients");
     assert_eq!(too_few, RotationPriorError::TooFewPatients { patients: 4, needed: 5 });
