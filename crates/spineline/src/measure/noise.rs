@@ -128,6 +128,9 @@ impl ReadingSquares {
 
     /// Of one reading, from the differences between observers, or between their repeats where those differ more; `None` where
     /// nothing was read twice.
+    ///
+    /// Where every observer has the same number of readings, this over the number of readings is the estimate of the variance of the mean by
+    /// restricted maximum likelihood, with no component of variance below zero.
     pub fn spread(&self) -> Option<ReadingSpread> {
         let of = |(squares, freedom): (f64, usize)| ReadingSpread {
             variance: squares / freedom.max(1) as f64,
