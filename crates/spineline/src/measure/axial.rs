@@ -99,14 +99,11 @@ pub enum PedicleFault {
     /// One lies more than the width of the body from its centre.
     #[error("a pedicle lies beside its body")]
     FarFromBody,
-    /// Both lie so far above or below the body, along its axis, that they are another vertebra's.
-    #[error("its pedicles lie {}", match fits {
-        Some(level) => format!("at the height of {level}"),
-        None => "far above or below its body".to_owned(),
-    })]
+    /// Both lie far above or below the body, along its axis, and fit another vertebra.
+    #[error("its pedicles lie at the height of {fits}")]
     OtherLevel {
         /// The marked vertebra that they fit best.
-        fits: Option<Level>,
+        fits: Level,
     },
 }
 
@@ -134,12 +131,14 @@ pub(super) fn height_over(body: &Corners<Frontal>, pedicles: [Frontal; 2]) -> f6
 
 /// Heights of [`height_over`] at which pedicles may be a vertebra's own.
 ///
-/// A pedicle lies behind the upper half of its body, so a film shows it higher the more the vertebra is tilted forward, as L5 and L4 are most.
+/// A pedicle lies behind the upper half of its body, so a film shows it higher the more the vertebra is tilted forward: L5 and L4 by the
+/// lordosis, T8 and above by a kyphosis.
 /// On phantoms of the five shapes from the side, a vertebra's own pedicles, at the height of its body or a quarter above it
-/// (assumption), lie from -0.45 to 0.76, of L5 and L4 to 1.12. Pedicles of the next vertebra above lie from 0.98 on, at L5 and L4 from
+/// (assumption), lie from -0.45 to 0.76, of L5 and L4 to 1.12. In a severe kyphosis that tilts a vertebra forward by 40°, [`PediclePlace`]
+/// and [`Morphometry`] put them at T8 and above up to 1.18. Pedicles of the next vertebra above lie from 0.98 on, at L5 and L4 from
 /// 1.46 on, and pedicles of the next one below from -0.9 down at most levels.
 pub(super) fn own_heights(level: Level) -> RangeInclusive<f64> {
-    let most = if level <= Level::L4 { 1.25 } else { 1.0 };
+    let most = if (Level::L3..=Level::T9).contains(&level) { 1.0 } else { 1.25 };
     -0.75..=most
 }
 

@@ -39,7 +39,16 @@ pub(crate) fn axial_rotations(
                 return Err(fault(PedicleFault::OffImage));
             }
             let pair = PediclePair::of(landmark, |place| image.frontal(place)).map_err(fault)?;
-            check_height(image, reading, level, [left, right]).map_err(fault)?;
+            match level_at(image, reading, level, [left, right]) {
+                Some(fits) if fits != level => {
+                    return Err(fault(PedicleFault::OtherLevel { fits }));
+                }
+                Some(_) => {}
+                None => {
+                    let text = "its pedicles lie far above or below its body: check both pedicles";
+                    warnings.vertebra(WarningCode::PediclesUnusual, film.posture, level, text);
+                }
+            }
             places.push(pair);
         }
         let marked = places.len();
@@ -55,31 +64,26 @@ pub(crate) fn axial_rotations(
                 "both of its pedicles lie on the {half} half of its body, so its axial rotation is {}: check both pedicles and the corners",
                 rotation.words()
             );
-            warnings.vertebra(WarningCode::PediclesOnOneSide, film.posture, level, text);
+            warnings.vertebra(WarningCode::PediclesUnusual, film.posture, level, text);
         }
         found.push(rotation);
     }
     Ok(found)
 }
 
-/// Refuses pedicles far above or below their body, and names the marked vertebra that they fit.
-fn check_height(
+/// The marked vertebra whose height fits pedicles that are marked for `level`: this one before all others.
+fn level_at(
     image: &ImageGeometry,
     reading: &Reading<VertebraLandmarks>,
     level: Level,
     pedicles: [Pixel; 2],
-) -> Result<(), PedicleFault> {
+) -> Option<Level> {
     let pedicles = pedicles.map(|place| image.frontal(place));
-    let height = |landmark: &VertebraLandmarks| {
+    let heights = reading.vertebrae.iter().map(|(&other, landmark)| {
         let body: Corners<Frontal> = landmark.corners.map(|corner| image.frontal(corner));
-        height_over(&body, pedicles)
-    };
-    if reading.vertebrae.get(&level).is_none_or(|own| own_heights(level).contains(&height(own))) {
-        return Ok(());
-    }
-    let others = reading.vertebrae.iter().filter(|(other, _)| **other != level);
-    let heights = others.map(|(&other, landmark)| (other, height(landmark)));
+        (other, height_over(&body, pedicles))
+    });
     let fitting = heights.filter(|(other, height)| own_heights(*other).contains(height));
-    let fits = fitting.min_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())).map(|(other, _)| other);
-    Err(PedicleFault::OtherLevel { fits })
+    let away = |(other, height): (Level, f64)| if other == level { -1.0 } else { height.abs() };
+    fitting.min_by(|a, b| away(*a).total_cmp(&away(*b))).map(|(nearest, _)| nearest)
 }

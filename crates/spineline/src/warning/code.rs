@@ -143,8 +143,8 @@ warning_codes! {
         OtherBodyPart = "other_body_part": Warning, DoubtsFilm, OfPicture;
         /// A DICOM file states another patient than the file of an earlier film.
         PatientDiffers = "patient_differs": Warning, DoubtsFilm, OfPicture;
-        /// Both pedicles of a vertebra lie on one half of its body.
-        PediclesOnOneSide = "pedicles_on_one_side": Warning;
+        /// Both pedicles of a vertebra lie on one half of its body, or far above or below it.
+        PediclesUnusual = "pedicles_unusual": Warning;
         /// The file beside the case is not the picture with the landmarks, by its SHA-256 or its size.
         PictureDiffers = "picture_differs": Warning, OfPicture;
         /// Two readings of a film place its vertebrae far apart.

@@ -2,7 +2,7 @@
 //! than the reader's puts them.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze, analyze_movement};
-use spineline::anatomy::{Level, PediclePlace, Posture};
+use spineline::anatomy::{Level, Morphometry, PediclePlace, Posture};
 use spineline::error::Error;
 use spineline::measure::{AxialRotation, MeasureError, MeasureFault, NashMoe, PedicleFault};
 use spineline::spatial::{Angle, Pixel};
@@ -231,8 +231,36 @@ fn pedicles_of_the_next_vertebra_are_refused_by_its_name() {
         };
         let own = at.level.and_then(|level| Level::ALL.iter().position(|one| *one == level));
         let next = own.and_then(|i| i.checked_add_signed(step)).map(|i| Level::ALL[i]);
-        assert_eq!(*fault, PedicleFault::OtherLevel { fits: next }, "{error}");
+        let fits = next.expect("a neighbour");
+        assert_eq!(*fault, PedicleFault::OtherLevel { fits }, "{error}");
     }
+}
+
+#[test]
+fn pedicles_high_over_a_vertebra_that_a_kyphosis_tilts_forward_are_its_own() {
+    let setup = SpaceSetup { pedicles: true, ..SpaceSetup::default() };
+    let good = generate_in_space(&setup).case;
+    let with = |level: Level, height: f64| {
+        let mut case = good.clone();
+        let landmark = landmarks_mut(&mut case, Posture::Erect, level);
+        let rows = landmark.corners.map(|corner| corner.row_px);
+        let above = 0.5 * (rows.superior_left + rows.superior_right);
+        let below = 0.5 * (rows.inferior_left + rows.inferior_right);
+        let places = landmark.pedicles.each_mut().map(|place| place.as_mut().expect("marked"));
+        let mean = 0.5 * (places[0].row_px + places[1].row_px);
+        let wanted = 0.5 * (above + below) - height * (below - above);
+        places.into_iter().for_each(|place| place.row_px += wanted - mean);
+        analyze_movement(&case, &AnalysisOptions::default())
+    };
+    let doubted = |analysis: &Analysis| analysis.warnings.has(WarningCode::PediclesUnusual);
+    for level in [Level::T8, Level::T6, Level::T4] {
+        // Oracle: a forward tilt of 40°, and pedicles a quarter above the middle of the body.
+        let reach = PediclePlace::of(level).behind_mm / Morphometry::of(level).body_height_mm;
+        let high = with(level, 0.25 + reach * Angle::from_deg(40.0).rad().tan());
+        assert!(!doubted(&high.expect("a kyphosis")), "{level}");
+    }
+    // Below the lowest marked vertebra they fit no other one.
+    assert!(doubted(&with(Level::L5, -1.5).expect("no other vertebra")));
 }
 
 #[test]
@@ -245,7 +273,7 @@ fn pedicles_on_one_half_of_a_body_are_doubted() {
     let mut case = generate_in_space(&setup).case;
     let analysis =
         |case: &Case| analyze_movement(case, &AnalysisOptions::default()).expect("a good case");
-    assert!(!analysis(&case).warnings.has(WarningCode::PediclesOnOneSide));
+    assert!(!analysis(&case).warnings.has(WarningCode::PediclesUnusual));
     let landmark = landmarks_mut(&mut case, Posture::Erect, Level::T8);
     let [left, right] = [landmark.corners.superior_left, landmark.corners.superior_right];
     let [below_left, below_right] =
@@ -261,6 +289,6 @@ fn pedicles_on_one_half_of_a_body_are_doubted() {
     };
     landmark.pedicles = [Some(at(0.9)), Some(at(0.6))];
     let doubted = analysis(&case);
-    let text = &warned(&doubted, WarningCode::PediclesOnOneSide, Some(Posture::Erect)).message;
+    let text = &warned(&doubted, WarningCode::PediclesUnusual, Some(Posture::Erect)).message;
     assert!(text.contains("left half") && text.contains("to the right"), "{text}");
 }
