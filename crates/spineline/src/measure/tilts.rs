@@ -14,6 +14,7 @@ const MIN_CORRELATION: f64 = 0.7;
 
 /// How far tilts follow the curve of the locations, over the vertebrae between two others.
 struct Following {
+    tilt_sd: Angle,
     /// Tilt for each unit of the direction: about 1.
     slope: f64,
     correlation: f64,
@@ -44,29 +45,12 @@ impl Following {
         };
         let [directions, tilts, both] = [product(0, 0), product(1, 1), product(0, 1)];
         let is_curved = directions.sqrt() > MIN_CURVE.deg();
-        (pairs.len() >= MIN_VERTEBRAE && is_curved && tilts > 0.0).then(|| Self {
+        (pairs.len() >= MIN_VERTEBRAE && is_curved).then(|| Self {
+            tilt_sd: Angle::from_deg(tilts.sqrt()),
             slope: both / directions,
             correlation: both / (directions * tilts).sqrt(),
         })
     }
-}
-
-/// Whether all tilts are one value, although the steps from vertebra to vertebra turn.
-fn are_equal_on_a_curve(reading: &Reading<Placement>) -> bool {
-    const MIN_EQUAL: usize = 8;
-    const SAME: Angle = Angle::from_deg(1e-6);
-    const MIN_TURN: Angle = Angle::from_deg(5.0);
-    let placed: Vec<&Placement> = reading.vertebrae.values().collect();
-    let [first, second, ..] = placed[..] else { return false };
-    let way = |from: &Placement, to: &Placement| (to.location - from.location).lateral_tilt();
-    let is_equal = |one: &&Placement| (one.tilt - first.tilt).wrapped().abs() <= SAME;
-    let turns = placed.windows(2).map(|two| (way(two[0], two[1]) - way(first, second)).wrapped());
-    let (mut least, mut most) = (Angle::ZERO, Angle::ZERO);
-    for turn in turns {
-        least = if turn < least { turn } else { least };
-        most = if turn > most { turn } else { most };
-    }
-    placed.len() >= MIN_EQUAL && placed.iter().all(is_equal) && most - least > MIN_TURN
 }
 
 /// Refuses tilts that were filled in, tilts in radians, and tilts to the other side than the curve of their locations.
@@ -75,15 +59,18 @@ pub(super) fn check_tilts(
     readings: &[Reading<Placement>],
 ) -> Result<(), MeasureError> {
     const PER_RADIAN: f64 = 1.0 / 57.3;
+    const EQUAL: Angle = Angle::from_deg(1e-6);
     for reading in readings {
-        if are_equal_on_a_curve(reading) {
-            return Err(MeasureFault::TiltsEqual.at(FilmPlace::reading(posture, &reading.id)));
+        let Some(Following { tilt_sd, slope, correlation }) = Following::of(reading) else {
+            continue;
+        };
+        let place = FilmPlace::reading(posture, &reading.id);
+        if tilt_sd <= EQUAL {
+            return Err(MeasureFault::TiltsEqual.at(place));
         }
-        let Some(Following { slope, correlation }) = Following::of(reading) else { continue };
         if correlation.abs() < MIN_CORRELATION {
             continue;
         }
-        let place = FilmPlace::reading(posture, &reading.id);
         if (0.4 * PER_RADIAN..2.5 * PER_RADIAN).contains(&slope.abs()) {
             return Err(MeasureFault::TiltsInRadians.at(place));
         }
