@@ -1,13 +1,16 @@
 //! Consistency checks between the films of one patient, before they are analysed together.
 
 use super::wrong_film::tilt_margin;
+use super::{AnalysisOptions, Reference};
 use crate::anatomy::{FilmView, Levels, Posture};
 use crate::clinical::{ClinicalCurve, CobbEnds};
 use crate::error::CaseError;
 use crate::measure::{
     Film, FilmLength, LateralFilm, Outline, SpacingPlane, body_widths, same_landmarks,
 };
+use crate::multibody::StiffnessError;
 use crate::number::fixed;
+use crate::personalize::Gauge;
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};
 
@@ -19,6 +22,23 @@ pub(super) fn check_age(age_years: Option<f64>) -> Result<(), CaseError> {
     match age_years.filter(|age| !(0.0..=MAX_AGE_YEARS).contains(age)) {
         Some(age_years) => Err(CaseError::Age { age_years, limit_years: MAX_AGE_YEARS }),
         None => Ok(()),
+    }
+}
+
+/// Refuses springs in another unit where forces are in newtons. Elsewhere only ratios of springs count, and the unit is doubted.
+pub(super) fn check_unit(
+    options: &AnalysisOptions,
+    warnings: &mut Warnings,
+) -> Result<(), StiffnessError> {
+    let known_force = matches!(options.gauge, Gauge::KnownForce { .. });
+    let in_newtons = known_force || matches!(options.reference, Reference::Loaded { .. });
+    match options.library.check_unit() {
+        Err(error) if !in_newtons => {
+            let text = format!("{error}: read only ratios of stiffness and force from the results");
+            warnings.push(WarningCode::StiffnessUnusual, text);
+            Ok(())
+        }
+        checked => checked,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the films show, and the unloaded spine: curves, rotations, and the lines of best fit to these rotations.
 
-use super::checks::warn_of_unknown_rotation;
+use super::checks::{check_unit, warn_of_unknown_rotation};
 use super::clinic::Clinic;
 use super::inflections::inflections_of;
 use super::measured::{Measured, at_erect_length, measure, widths_mm};
@@ -99,6 +99,7 @@ impl Movement {
         replicated: Option<Replicated<'_>>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
+        check_unit(options, warnings)?;
         let Measured { readings, outlines, whole } =
             measure(case, options.tilt, replicated, warnings)?;
         let mut outlines = at_erect_length(outlines, options.film_lengths, warnings);

@@ -94,7 +94,7 @@ faults! {
             nm_per_rad: f64,
         },
         /// Lateral stiffness that is too small or too large as a whole.
-        #[error("the median lateral stiffness of the joints is {} times the usual {USUAL_NM_PER_RAD} N·m/rad, and must be {LEAST_RATIO} to {MOST_RATIO} times{}", significant(*ratio, 3), match unit_of(*ratio) {
+        #[error("the median lateral stiffness of the joints is {} times the usual {USUAL_NM_PER_RAD} N·m/rad, outside of {LEAST_RATIO} to {MOST_RATIO} times{}", significant(*ratio, 3), match unit_of(*ratio) {
             Some(unit) => format!("; the values look like {unit}, not N·m/rad"),
             None => String::new(),
         })]
@@ -106,10 +106,10 @@ faults! {
             ratio: f64,
         },
         /// Lateral stiffness that no joint has.
-        #[error("joint {inferior}/{superior}: lateral stiffness is {} N·m/rad, and must be {LEAST_NM_PER_RAD} to {MOST_NM_PER_RAD}", significant(*nm_per_rad, 6))]
+        #[error("joint {inferior}/{superior}: lateral stiffness is {} N·m/rad, and must be {LEAST_OF_MEDIAN} to {MOST_OF_MEDIAN} times the median of all joints, {}", significant(*nm_per_rad, 6), significant(*median_nm_per_rad, 6))]
         #[code("stiffness")]
         #[help(HELP)]
-        #[at(level = *superior, value = *nm_per_rad, limit = if *nm_per_rad < LEAST_NM_PER_RAD { LEAST_NM_PER_RAD } else { MOST_NM_PER_RAD })]
+        #[at(level = *superior, value = *nm_per_rad, limit = ErrorPlace::limit(*nm_per_rad, LEAST_OF_MEDIAN * median_nm_per_rad, MOST_OF_MEDIAN * median_nm_per_rad))]
         Lateral {
             /// Lower vertebra.
             inferior: Level,
@@ -117,6 +117,8 @@ faults! {
             superior: Level,
             /// What was given.
             nm_per_rad: f64,
+            /// Of all joints.
+            median_nm_per_rad: f64,
         },
         /// A coupling that no joint has.
         #[error("joint {inferior}/{superior}: the axial rotation per lateral rotation is {value}, and must lie between -{MAX_COUPLING} and {MAX_COUPLING}; give 0 for a joint without coupling")]
@@ -134,10 +136,10 @@ faults! {
 /// Measured joints turn axially by less than they bend; twice that is an error of input (assumption).
 const MAX_COUPLING: f64 = 2.0;
 
-/// Lateral stiffness of a joint: published tables have 78 to 318 N·m/rad (`StiffnessTable`); a fused joint is stiffer
+/// Lateral stiffness of a joint over the median: published tables have 78 to 318 N·m/rad (`StiffnessTable`); a fused joint is stiffer
 /// and a destroyed one softer (assumption). Flexion and axial rotation may be locked by any stiffness.
-const LEAST_NM_PER_RAD: f64 = 1.0;
-const MOST_NM_PER_RAD: f64 = 10_000.0;
+const LEAST_OF_MEDIAN: f64 = 0.007;
+const MOST_OF_MEDIAN: f64 = 70.0;
 
 /// Lateral stiffness of a motion segment: 132 to 148 N·m/rad in `StiffnessTable::MotionSegments`.
 const USUAL_NM_PER_RAD: f64 = 140.0;
@@ -160,18 +162,23 @@ fn unit_of(ratio: f64) -> Option<&'static str> {
     units.into_iter().find(|(_, factor)| is_near(*factor)).map(|(unit, _)| unit)
 }
 
-/// Refuses lateral stiffness in another unit than N·mm/rad, or of a size that no joint has.
+fn median_lateral_nm_per_rad(rows: &[JointStiffness]) -> f64 {
+    median(rows.iter().map(|row| row.nmm_per_rad[0] / 1000.0).collect())
+}
+
+/// Refuses lateral stiffness of a size that no joint has beside the others.
 fn check_sizes(rows: &[JointStiffness]) -> Result<(), StiffnessError> {
-    let lateral = rows.iter().map(|row| row.nmm_per_rad[0] / 1000.0).collect();
-    let ratio = median(lateral) / USUAL_NM_PER_RAD;
-    if !(LEAST_RATIO..=MOST_RATIO).contains(&ratio) {
-        return Err(StiffnessError::Unit { ratio });
-    }
+    let median_nm_per_rad = median_lateral_nm_per_rad(rows);
     for row in rows {
         let (inferior, superior) = (row.inferior, row.superior);
         let nm_per_rad = row.nmm_per_rad[0] / 1000.0;
-        if !(LEAST_NM_PER_RAD..=MOST_NM_PER_RAD).contains(&nm_per_rad) {
-            return Err(StiffnessError::Lateral { inferior, superior, nm_per_rad });
+        if !(LEAST_OF_MEDIAN..=MOST_OF_MEDIAN).contains(&(nm_per_rad / median_nm_per_rad)) {
+            return Err(StiffnessError::Lateral {
+                inferior,
+                superior,
+                nm_per_rad,
+                median_nm_per_rad,
+            });
         }
     }
     Ok(())
@@ -181,7 +188,7 @@ impl StiffnessLibrary {
     /// A library from rows in any order.
     ///
     /// # Errors
-    /// [`StiffnessError`] where a joint of the model is missing, doubled or not positive, or lateral stiffness has another unit.
+    /// [`StiffnessError`] where a joint of the model is missing, doubled, not positive, or far from the others.
     pub fn from_rows(mut given: Vec<JointStiffness>) -> Result<Self, StiffnessError> {
         for row in &given {
             let (inferior, superior) = (row.inferior, row.superior);
@@ -218,6 +225,16 @@ impl StiffnessLibrary {
             .collect::<Result<Vec<_>, _>>()?;
         check_sizes(&rows)?;
         Ok(Self { rows })
+    }
+
+    /// Whether the table may be in N·m/rad.
+    ///
+    /// # Errors
+    /// [`StiffnessError::Unit`].
+    pub fn check_unit(&self) -> Result<(), StiffnessError> {
+        let ratio = median_lateral_nm_per_rad(&self.rows) / USUAL_NM_PER_RAD;
+        let is_usual = (LEAST_RATIO..=MOST_RATIO).contains(&ratio);
+        if is_usual { Ok(()) } else { Err(StiffnessError::Unit { ratio }) }
     }
 
     /// The rows of the joints between some vertebrae.

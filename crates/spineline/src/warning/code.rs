@@ -213,6 +213,8 @@ warning_codes! {
         SeveralEquilibria = "several_equilibria": Warning;
         /// Pads and straps of a simulation are springs that do not lose contact.
         SpringsStick = "springs_stick": Warning;
+        /// The springs of the table may be in another unit than N·m/rad, or relative, and no force is in newtons.
+        StiffnessUnusual = "stiffness_unusual": Warning;
         /// A strap pushes in a simulated shape, where a real strap is slack.
         StrapPushes = "strap_pushes": Warning;
         /// The erect film has no picture, and the weight on it acts along the vertical of its frame.

@@ -1,7 +1,8 @@
 //! Invalid springs, amplitudes out of reach, and endings without results.
 
-use crate::common::{assert_near, outline, spine, usual_regions};
+use crate::common::{assert_near, exact_case, outline, spine, usual_regions, warned};
 use spineline::action::{LineError, LineOfAction};
+use spineline::analysis::{AnalysisOptions, Reference, analyze_movement};
 use spineline::anatomy::{Level, Levels, Posture};
 use spineline::error::Error;
 use spineline::evaluate::{FilmUnderLine, ForceChoice, Target, simulate};
@@ -9,9 +10,9 @@ use spineline::multibody::{
     FittedSprings, ForceSign, JointGroups, JointStiffness, Load, PathEnding, Residual, Statics,
     StiffnessError, StiffnessLibrary, StiffnessTable, Support, amplitude_matches, match_amplitude,
 };
-use spineline::personalize::{FitSettings, FitStatus, personalize};
+use spineline::personalize::{FitSettings, FitStatus, Gauge, personalize};
 use spineline::spatial::{Angle, Frontal};
-use spineline::warning::Step;
+use spineline::warning::{Step, WarningCode};
 
 fn left_of(residual: Residual) -> Angle {
     let Residual::Amplitude(left) = residual else { panic!("an amplitude was sought") };
@@ -89,8 +90,10 @@ fn a_stiffness_that_is_not_positive_is_named_with_axis_and_value() {
 }
 
 #[test]
-fn stiffness_in_another_unit_is_refused_with_the_unit() {
-    // Oracle: 1 N·m is 1000 N·mm, and 1 rad is 57.3°.
+fn stiffness_in_another_unit_is_doubted_and_with_newtons_refused_with_the_unit() {
+    // Oracle: 1 N·m is 1000 N·mm, and 1 rad is 57.3°. A common factor of all springs changes no shape and no ratio.
+    let case = exact_case(0);
+    let analysis = |options: AnalysisOptions| analyze_movement(&case, &options);
     for table in StiffnessTable::ALL {
         let scaled = |factor: f64| -> Vec<JointStiffness> {
             let rows = table.library().rows().to_vec();
@@ -106,11 +109,21 @@ fn stiffness_in_another_unit_is_refused_with_the_unit() {
             (1.0 / 57.3, "N·m per degree"),
             (0.001, "kN·m/rad"),
         ] {
-            let error = refused(scaled(factor), &[unit]);
-            assert!(matches!(error, StiffnessError::Unit { .. }), "{error}");
+            let library = StiffnessLibrary::from_rows(scaled(factor)).expect("relative springs");
+            let relative = AnalysisOptions { library, ..AnalysisOptions::default() };
+            let gauge = Gauge::KnownForce { posture: Posture::LeftBending, force_n: 50.0 };
+            let error = analysis(AnalysisOptions { gauge, ..relative.clone() }).expect_err(unit);
+            assert!(error.to_string().contains(unit), "{error}");
+            assert!(matches!(error, Error::Stiffness(StiffnessError::Unit { .. })), "{error}");
+            let reference = Reference::Loaded { body_mass_kg: 45.0 };
+            assert!(analysis(AnalysisOptions { reference, ..relative.clone() }).is_err(), "{unit}");
+            let doubted = analysis(relative).expect("ratios of springs");
+            let text = &warned(&doubted, WarningCode::StiffnessUnusual, None).message;
+            assert!(text.contains(unit), "{text}");
         }
         for factor in [0.3, 0.5, 2.0, 3.0] {
-            assert!(StiffnessLibrary::from_rows(scaled(factor)).is_ok(), "{factor}");
+            let library = StiffnessLibrary::from_rows(scaled(factor)).expect("springs");
+            assert_eq!(library.check_unit(), Ok(()), "{factor}");
         }
     }
 }
