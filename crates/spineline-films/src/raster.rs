@@ -8,7 +8,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use spineline_marking::{SpacingEvidence, ViewEvidence};
 
-use super::codec::{check_end, foreign};
+use super::codec::{END, check_end, foreign};
 use super::error::{Codec, CodecFault, FilmError, Measure, UnsupportedPhotometric};
 use super::pixels::luminance;
 use super::resolution;
@@ -26,7 +26,12 @@ pub(super) fn read(
     if stated.pictures > 1 {
         return Err(FilmError::Frames { frames: stated.pictures });
     }
-    let (image, orientation) = decode(bytes, kind, limits)?;
+    let (image, orientation) = if kind == FilmKind::Jpeg && check_end(bytes).is_err() {
+        remarks.push(FilmRemark::EndMissing);
+        decode_without_end(bytes, limits)?
+    } else {
+        decode(bytes, kind, limits)?
+    };
     let resolution =
         stated.resolution.map(|one| if is_turned(orientation) { one.turned() } else { one });
     if orientation != Orientation::NoTransforms {
@@ -104,9 +109,6 @@ fn decode(
         FilmKind::Tiff => ImageFormat::Tiff,
         FilmKind::Png | FilmKind::Dicom => ImageFormat::Png,
     };
-    if kind == FilmKind::Jpeg {
-        check_end(bytes).map_err(|fault| fault.of(Codec::Raster))?;
-    }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut caps = Limits::default();
     // Two copies of four samples of 16 bits.
@@ -123,6 +125,22 @@ fn decode(
     let mut image = decoded(|| DynamicImage::from_decoder(decoder))?;
     image.apply_orientation(orientation);
     Ok((image, orientation))
+}
+
+/// Decodes a JPEG without its end. The decoder invents missing rows from the bytes that follow, so other bytes then change the picture.
+fn decode_without_end(
+    bytes: &[u8],
+    limits: &FilmLimits,
+) -> Result<(DynamicImage, Orientation), FilmError> {
+    // The first half of the end.
+    let scan = bytes.strip_suffix(&[0xFF]).unwrap_or(bytes);
+    let with = |more: &[u8]| decode(&[scan, more, END.as_slice()].concat(), FilmKind::Jpeg, limits);
+    let other_bits: Vec<u8> = (1..0xFF).rev().collect();
+    let found = with(&[])?;
+    match with(&other_bits) {
+        Ok(other) if other.0 == found.0 => Ok(found),
+        _ => Err(CodecFault::Truncated.of(Codec::Raster)),
+    }
 }
 
 /// Calls the decoder of pictures.

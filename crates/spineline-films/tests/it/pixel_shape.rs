@@ -231,7 +231,7 @@ fn a_truncated_a_damaged_and_an_unsupported_picture_are_told_apart_with_advice_f
         let mut file = std::io::Cursor::new(Vec::new());
         grey.write_to(&mut file, format).expect("a picture");
         let mut bytes = file.into_inner();
-        // Without its end marker, a decoder of JPEG invents the rest of the picture.
+        // A decoder of JPEG invents the rest of the picture.
         let cut = &bytes[..bytes.len() * 3 / 4];
         assert!(said(cut, &[CodecFault::Truncated]).starts_with("copy the picture again"));
         if format == Png {
@@ -248,6 +248,28 @@ fn a_truncated_a_damaged_and_an_unsupported_picture_are_told_apart_with_advice_f
         bytes[place + 8] = bits;
         assert!(said(&bytes, &[CodecFault::Unsupported]).contains("PNG"), "{bits}");
     }
+}
+
+#[test]
+fn a_jpeg_without_its_end_is_read_with_a_remark_where_all_rows_are_there() {
+    let noise = |place: u32| (place.wrapping_mul(2_654_435_761) >> 24) as u8;
+    let grey = image::GrayImage::from_raw(64, 48, (0..64 * 48).map(noise).collect());
+    let mut file = std::io::Cursor::new(Vec::new());
+    let written = grey.expect("pixels").write_to(&mut file, image::ImageFormat::Jpeg);
+    written.expect("a picture");
+    let bytes = file.into_inner();
+    let whole = read(&bytes).expect("a picture");
+    assert!(!whole.remarks.contains(&FilmRemark::EndMissing));
+    // Oracle: the end of a JPEG is its last two bytes.
+    for missing in [1, 2] {
+        let cut = read(&bytes[..bytes.len() - missing]).expect("all rows");
+        assert_eq!(cut.stored, whole.stored, "{missing}");
+        assert!(cut.remarks.contains(&FilmRemark::EndMissing), "{missing}");
+    }
+    // 40 bytes are less than one of 48 blocks of noise, in the last row.
+    let fault = CodecFault::Truncated;
+    let missing = read(&bytes[..bytes.len() - 40]);
+    assert_eq!(missing, Err(FilmError::Codec { codec: Codec::Raster, fault }));
 }
 
 #[test]
