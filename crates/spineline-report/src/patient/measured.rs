@@ -112,13 +112,11 @@ pub fn clinical(analysis: &Analysis) -> Table {
     table
 }
 
-/// Whether a film does not show one of a curve's end vertebrae.
+/// Whether a film does not show one of a curve's end vertebrae, which may lie outside of the model.
 fn ends_interpolated(analysis: &Analysis, posture: Posture, ends: CobbEnds) -> bool {
-    let hidden = |p: &FilmMovement| {
-        let mut levels = p.outline.interpolated().map(|(vertebra, _)| vertebra.level);
-        levels.any(|level| level == ends.inferior || level == ends.superior)
-    };
-    analysis.movement.film(posture).is_some_and(hidden)
+    let film = analysis.movement.readings.iter().find(|film| film.posture == posture);
+    let is_marked = |level| film.is_some_and(|film| film.marks(level));
+    !is_marked(ends.inferior) || !is_marked(ends.superior)
 }
 
 /// The amplitude of a film, with the vertebrae between which it is measured if these are not the ends of the model, and with its

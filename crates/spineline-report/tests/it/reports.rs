@@ -3,10 +3,11 @@
 use spineline::analysis::{
     Analysis, AnalysisOptions, Case, FilmPredictor, FilmRole, Subject, analyze,
 };
-use spineline::anatomy::Level;
+use spineline::anatomy::{Level, Posture};
+use spineline::clinical::{CobbEnds, EndChoice};
 use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline::evaluate::Baseline;
-use spineline::measure::{FilmLengthRule, TiltRule};
+use spineline::measure::{FilmLandmarks, FilmLengthRule, SpacingPlane, TiltRule, measure_readings};
 use spineline::multibody::{PathEnding, Support};
 use spineline_phantom::{SagittalShape, Scenario, SpaceSetup, generate_in_space};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
@@ -125,6 +126,33 @@ fn a_patient_report_has_every_section_and_the_main_finding_first() {
         assert!(figure.svg.contains("synthetic"), "{}", figure.name);
         assert!(!figure.svg.contains("NaN"), "{}", figure.name);
     }
+}
+
+#[test]
+fn a_curve_that_ends_at_an_interpolated_vertebra_beyond_the_model_is_marked() {
+    let mut case = common::exact_rod(0);
+    for film in &mut case.films {
+        let mut readings = measure_readings(film, TiltRule::default()).expect("a sound film");
+        // The right bend ends the model at T4; the erect film shows T2, and T3 is interpolated on it.
+        for reading in &mut readings {
+            reading.vertebrae.retain(|&level, _| match film.posture {
+                Posture::RightBending => level <= Level::T4,
+                Posture::Erect => level != Level::T3,
+                _ => true,
+            });
+        }
+        film.landmarks = FilmLandmarks::placed(SpacingPlane::Patient, readings);
+    }
+    let given = Some(CobbEnds { inferior: Level::T6, superior: Level::T3 });
+    let ends = EndChoice { given: [None, given, None], ..EndChoice::default() };
+    let options = AnalysisOptions { ends, ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a phantom is sound");
+    assert_eq!(analysis.movement.levels().top(), Level::T4);
+    let document = patient::report(&shown(&case, &analysis, JSON));
+    let mut rows = tables(section(&document, "films")).into_iter().flat_map(|table| &table.rows);
+    let row = rows.find(|row| row.iter().any(|cell| cell == "T3–T6")).expect("the curve");
+    let [erect, left] = [&row[4], &row[5]];
+    assert!(erect.ends_with(" ~") && !left.ends_with(" ~"), "{row:?}");
 }
 
 #[test]

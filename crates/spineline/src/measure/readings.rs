@@ -7,7 +7,7 @@ use super::{
     Film, FilmLandmarks, MeasureError, Placement, Reading, ReadingId, SpacingPlane, TiltRule,
     alike_names, alike_words,
 };
-use crate::anatomy::Posture;
+use crate::anatomy::{Level, Posture};
 use crate::warning::{WarningCode, Warnings};
 
 /// Every reading of one film by itself, for questions about the readers.
@@ -47,6 +47,12 @@ impl FilmReadings {
         readings.sort_by(|a, b| a.id.cmp(&b.id));
         copied.sort();
         Ok(Self { posture: film.posture, length_unit: plane.unit().to_owned(), readings, copied })
+    }
+
+    /// Whether some reading has a vertebra.
+    #[must_use]
+    pub fn marks(&self, level: Level) -> bool {
+        self.readings.iter().any(|reading| reading.vertebrae.contains_key(&level))
     }
 }
 
