@@ -1,7 +1,6 @@
 //! Step 1: the readings and the outlines of all films.
 
 use std::borrow::Cow;
-use std::slice;
 
 use super::Case;
 use super::checks::{
@@ -12,7 +11,7 @@ use crate::anatomy::{Levels, Posture};
 use crate::error::Error;
 use crate::measure::{
     Film, FilmLengthRule, FilmReadings, InterpolationError, MeasuredVertebra, Outline,
-    OutlineNoise, TiltRule, body_widths, common_levels, outline_of, seen_levels,
+    OutlineNoise, TiltRule, body_widths, common_levels, outline_of, seen_levels, shown_levels,
     warn_of_alike_observers, warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::warning::{WarningCode, Warnings};
@@ -55,9 +54,7 @@ pub(super) fn measure(
         readings.iter().map(|film| (film.posture, seen_levels(&film.readings))).collect();
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
-    // A gap that is too wide for a film alone may lie outside of the model.
-    let shown = seen.iter().map(|film| common_levels(slice::from_ref(film)).unwrap_or(levels));
-    let shown: Vec<Levels> = shown.collect();
+    let shown: Vec<Levels> = seen.iter().map(|film| shown_levels(film, levels)).collect();
     let is_cut = shown.iter().any(|film| *film != levels);
     // Replicates skip doubts about their films, which take a tenth of their time.
     let reports_doubts = replicated.is_none();

@@ -87,7 +87,7 @@ pub(crate) use program_corners::ProgramCorners;
 pub(crate) use readings::warn_of_alike_observers;
 pub use readings::{FilmReadings, measure_readings};
 pub use seen_levels::shows_enough;
-pub(crate) use seen_levels::{common_levels, seen_levels, warn_of_shortened_chain};
+pub(crate) use seen_levels::{common_levels, seen_levels, shown_levels, warn_of_shortened_chain};
 pub(crate) use shared_errors::{ErrorRate, Measured, Whitening};
 pub use space::{FilmAlignment, HeightLine, SharedHeights, SpatialOutline, SpatialVertebra};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};

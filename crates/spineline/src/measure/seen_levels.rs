@@ -1,6 +1,7 @@
 //! Which vertebrae the films of a patient give to the model.
 
 use std::collections::BTreeSet;
+use std::slice;
 
 use super::interpolation::MAX_GAP;
 use super::{MeasureError, MeasureFault, Placement, Reading};
@@ -62,6 +63,11 @@ pub(crate) fn common_levels(films: &[(Posture, BTreeSet<Level>)]) -> Result<Leve
         check_gaps(*posture, levels, seen)?;
     }
     Ok(levels)
+}
+
+/// The vertebrae between the ends of one film. A gap that is too wide may lie outside of the model, whose vertebrae are then shown.
+pub(crate) fn shown_levels(film: &(Posture, BTreeSet<Level>), of_model: Levels) -> Levels {
+    common_levels(slice::from_ref(film)).unwrap_or(of_model)
 }
 
 /// No vertebra from which, or up to which, a model may reach is on all films: the film that lacks most is named.

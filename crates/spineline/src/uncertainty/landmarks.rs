@@ -10,7 +10,8 @@ use crate::anatomy::{FilmView, Level, Posture, named};
 use crate::fault::faults;
 use crate::measure::{
     CornerName, Corners, Film, FilmLandmarks, ImageGeometry, InterpolationError, Noise, Origin,
-    Outline, Placement, ProgramCorners, Reading, ReadingSquares, VertebraLandmarks,
+    Outline, Placement, ProgramCorners, Reading, ReadingSquares, VertebraLandmarks, seen_levels,
+    shown_levels,
 };
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -103,7 +104,7 @@ pub(super) struct NoisyCase {
     pub films: Vec<FilmNoise>,
     /// Of every film, the corners of every reading that a program found.
     program: Vec<Vec<Option<ProgramCorners>>>,
-    /// Vertebrae that a film does not show.
+    /// Vertebrae between the ends of a film that it does not show, in the model or beyond.
     interpolated: Vec<(Posture, Level)>,
     /// Of a column and a row of a corner on the lateral film; zero where nothing was measured on it.
     lateral_sd_px: [f64; 2],
@@ -145,9 +146,12 @@ impl NoisyCase {
             film.program_corners =
                 corners.iter().flatten().map(|corners| corners.corners().len()).sum();
         }
-        let interpolated = nominal.movement.films.iter().flat_map(|posture| {
-            let outline = &posture.outline;
-            outline.interpolated().map(|(vertebra, _)| (outline.posture, vertebra.level))
+        let levels = nominal.movement.levels();
+        let interpolated = nominal.movement.readings.iter().flat_map(|film| {
+            let seen = (film.posture, seen_levels(&film.readings));
+            let shown = shown_levels(&seen, levels);
+            let hidden = shown.iter().filter(|level| !seen.1.contains(level));
+            hidden.map(|level| (film.posture, level)).collect::<Vec<_>>()
         });
         let lateral_sd_px = lateral_sd_px(&case, nominal, noise);
         let interpolated = interpolated.collect();

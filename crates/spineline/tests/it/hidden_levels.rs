@@ -1,8 +1,9 @@
 //! Vertebrae that some film does not show: interpolated, or beyond the end of a shorter model.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, Case, analyze_movement};
-use spineline::anatomy::{Level, Posture};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze_movement};
+use spineline::anatomy::{Level, Posture, Region};
+use spineline::clinical::{CobbEnds, EndChoice};
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::Baseline;
 use spineline::measure::{Film, MeasureFault, MeasuredVertebra, TiltRule, measure_film};
@@ -408,4 +409,27 @@ fn replicates_carry_the_uncertainty_of_an_interpolated_vertebra() {
     let hidden = sd(Posture::Neutral, Level::T9);
     assert!((3.2..6.4).contains(&hidden), "{hidden}");
     assert!(sd(Posture::Neutral, Level::T8) < 0.1 && sd(Posture::Erect, Level::T9) < 0.1);
+}
+
+#[test]
+fn replicates_carry_the_uncertainty_of_a_vertebra_beyond_the_model() {
+    use spineline::uncertainty::{LandmarkNoise, MonteCarlo, QuantityKind};
+    let mut case = exact_case(0);
+    hide(film_mut(&mut case, Posture::Neutral), |level| level == Level::T3);
+    hide(film_mut(&mut case, Posture::Traction), |level| level > Level::T4);
+    let given = Some(CobbEnds { inferior: Level::T6, superior: Level::T3 });
+    let ends = EndChoice { given: [None, given, None], ..EndChoice::default() };
+    let nominal = analyzed(&case, &AnalysisOptions { ends, ..on_a_table() });
+    assert_eq!(nominal.movement.levels().top(), Level::T4);
+    let monte_carlo =
+        MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(0.01), 1).expect("a noise");
+    let found = replicated(&monte_carlo, 40);
+    let sd = |posture| {
+        let quantity = QuantityKind::TiltRange.on(posture).in_region(Region::MainThoracic);
+        found.spread(quantity).expect("both ends are shown").sd.expect("many replicates")
+    };
+    // Oracle: the stated 4.8° of the upper end alone.
+    let hidden = sd(Posture::Neutral);
+    assert!((3.2..6.4).contains(&hidden), "{hidden}");
+    assert!(sd(Posture::Erect) < 0.1);
 }
