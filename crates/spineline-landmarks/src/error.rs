@@ -236,6 +236,11 @@ spineline::faults! {
 }
 
 impl LandmarkError {
+    /// A part that is missing at this place.
+    pub(crate) fn missing(at: impl Into<String>, what: impl Into<String>) -> Self {
+        Self::Missing { at: at.into(), what: what.into() }
+    }
+
     /// The same error, of a film and a vertebra.
     pub(crate) fn of(self, posture: Option<Posture>, level: Option<Level>) -> Self {
         Self::Placed { posture, level, error: Box::new(self) }

@@ -170,8 +170,7 @@ fn read_folder(folder: &Path, hint: &LandmarkHint) -> Result<LandmarkFile, Landm
     let rows = AasceRows::new(&names, &landmarks, &sizes, hint)?;
     let films = rows.map(|row| row.map(|row| row.film)).collect::<Result<Vec<_>, _>>()?;
     if films.is_empty() {
-        let at = "landmarks.csv".to_owned();
-        return Err(LandmarkError::Missing { at, what: "a film".to_owned() });
+        return Err(LandmarkError::missing("landmarks.csv", "a film"));
     }
     Ok(LandmarkFile { format: LandmarkFormat::AasceFolder, films, remarks: Vec::new() })
 }

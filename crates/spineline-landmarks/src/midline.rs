@@ -72,8 +72,7 @@ pub fn parse_midlines(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile,
         readings.push(Reading { id, vertebrae });
     }
     if films.is_empty() {
-        let what = "a midline".to_owned();
-        return Err(LandmarkError::Missing { at: "midlines".to_owned(), what });
+        return Err(LandmarkError::missing("midlines", "a midline"));
     }
     let films = films.into_iter().map(|(posture, readings)| MarkedFilm {
         posture,

@@ -67,7 +67,7 @@ impl<'a> AasceRows<'a> {
             (only_names, _) => {
                 let what =
                     if only_names { "a row of landmarks" } else { "a name in filenames.csv" };
-                return Err(LandmarkError::Missing { at, what: what.to_owned() });
+                return Err(LandmarkError::missing(at, what));
             }
         }
         if self.row as u64 >= MAX_ROWS {
@@ -80,13 +80,13 @@ impl<'a> AasceRows<'a> {
             return Err(LandmarkError::Syntax { at, reason });
         }
         let picture = String::from_utf8_lossy(&name[0]).into_owned();
-        let &(columns, rows) = self.sizes.get(&picture).ok_or(LandmarkError::Missing {
-            at: at.clone(),
-            what: format!(
+        let &(columns, rows) = self.sizes.get(&picture).ok_or(LandmarkError::missing(
+            at.clone(),
+            format!(
                 "the size of the picture `{}`, by which its landmarks were divided,",
                 shown(&picture)
             ),
-        })?;
+        ))?;
         let mut points = [[0.0; 2]; CORNERS];
         for (place, point) in points.iter_mut().enumerate() {
             let whole = |column: usize, size: u32| -> Result<f64, LandmarkError> {
@@ -149,9 +149,10 @@ pub fn image_sizes(bytes: &[u8]) -> Result<BTreeMap<String, (u32, u32)>, Landmar
     };
     let heading = table.byte_headers().map_err(unreadable)?.clone();
     let column = |name: &str| {
-        heading.iter().position(|cell| cell == name.as_bytes()).ok_or_else(|| {
-            LandmarkError::Missing { at: at(1), what: format!("the column `{name}`") }
-        })
+        heading
+            .iter()
+            .position(|cell| cell == name.as_bytes())
+            .ok_or_else(|| LandmarkError::missing(at(1), format!("the column `{name}`")))
     };
     let places = [column("filename")?, column("width_px")?, column("height_px")?];
     let mut sizes = BTreeMap::new();

@@ -66,7 +66,7 @@ fn points(bytes: &[u8]) -> Result<[[f64; 2]; CORNERS], LandmarkError> {
             return Ok(found);
         }
     }
-    Err(LandmarkError::Missing { at: "the file".to_owned(), what: "the variable `p2`".to_owned() })
+    Err(LandmarkError::missing("the file", "the variable `p2`"))
 }
 
 /// The corners, if the matrix is `p2`.

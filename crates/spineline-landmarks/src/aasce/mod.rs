@@ -65,8 +65,7 @@ fn film_of(
         vertebrae.insert(level, VertebraLandmarks::clicked(corners));
     }
     if vertebrae.is_empty() {
-        let what = "a vertebra".to_owned();
-        return Err(LandmarkError::Missing { at: at.to_owned(), what });
+        return Err(LandmarkError::missing(at, "a vertebra"));
     }
     Ok(MarkedFilm {
         posture: hint.posture,

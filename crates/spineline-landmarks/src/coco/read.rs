@@ -83,7 +83,7 @@ pub fn parse_coco(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, Lan
     }
     for (place, annotation) in dataset.annotations.iter().enumerate() {
         let at = format!("annotations[{place}]");
-        let missing = |what: String| LandmarkError::Missing { at: at.clone(), what };
+        let missing = |what: String| LandmarkError::missing(at.clone(), what);
         let names = categories
             .get(&annotation.category_id)
             .ok_or_else(|| missing(format!("category {}", annotation.category_id)))?;
@@ -104,8 +104,7 @@ pub fn parse_coco(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, Lan
         films.extend(marked.film(hint)?);
     }
     if films.is_empty() {
-        let what = "a marked keypoint".to_owned();
-        return Err(LandmarkError::Missing { at: "annotations".to_owned(), what });
+        return Err(LandmarkError::missing("annotations", "a marked keypoint"));
     }
     Ok(LandmarkFile { format: LandmarkFormat::Coco, films, remarks })
 }

@@ -99,13 +99,9 @@ impl Columns {
                 let mistyped = unknown
                     .iter()
                     .find(|column| nearest(&column.name, &view.columns()).as_deref() == Some(name));
-                mistyped.map_or_else(
-                    || LandmarkError::Missing {
-                        at: hint.line_place(line),
-                        what: format!("the column `{name}`"),
-                    },
-                    UnknownColumn::refused,
-                )
+                let at = hint.line_place(line);
+                let missing = || LandmarkError::missing(at, format!("the column `{name}`"));
+                mistyped.map_or_else(missing, UnknownColumn::refused)
             })
         };
         let placed = PLACED.iter().any(|name| get(name).is_some());
@@ -170,7 +166,7 @@ fn places(
         heading.iter().map(|cell| column_name(&String::from_utf8_lossy(cell))).collect();
     if let Some(missing) = hint.renamed.keys().find(|renamed| !names.contains(renamed)) {
         let what = format!("the column `{}`", shown(missing));
-        return Err(LandmarkError::Missing { at: hint.line_place(line), what });
+        return Err(LandmarkError::missing(hint.line_place(line), what));
     }
     let (mut places, mut unknown) = (BTreeMap::new(), Vec::new());
     for (place, cell) in heading.iter().enumerate() {

@@ -390,7 +390,7 @@ impl Table<'_> {
         if *self.named.entry(name).or_insert(is_filled) != is_filled {
             let (at, what) = (row.row_place(), format!("the {name}, which other rows"));
             let verb = if is_filled { " lack," } else { " have," };
-            return Err(LandmarkError::Missing { at, what: what + verb });
+            return Err(LandmarkError::missing(at, what + verb));
         }
         Ok(is_filled.then_some(cell))
     }
@@ -421,10 +421,7 @@ impl Table<'_> {
 
     fn finish(self) -> Result<LandmarkFile, LandmarkError> {
         if self.films.is_empty() {
-            return Err(LandmarkError::Missing {
-                at: "the table".to_owned(),
-                what: "a row with landmarks".to_owned(),
-            });
+            return Err(LandmarkError::missing("the table", "a row with landmarks"));
         }
         let corners = matches!(self.columns.values, Values::Corners(_));
         let films = self.films.into_iter().map(|(posture, rows)| MarkedFilm {

@@ -56,10 +56,7 @@ impl Shape {
     fn places(&self, at: &str) -> Result<Vec<Pixel>, LandmarkError> {
         let place = |numbers: &Vec<Loose>| match numbers[..] {
             [Loose(Some(x)), Loose(Some(y))] => pixel(x - HALF_PIXEL, y - HALF_PIXEL, at),
-            _ => Err(LandmarkError::Missing {
-                at: at.to_owned(),
-                what: "a point of two numbers".to_owned(),
-            }),
+            _ => Err(LandmarkError::missing(at, "a point of two numbers")),
         };
         self.points.iter().flatten().take(5).map(place).collect()
     }
@@ -85,10 +82,7 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
         }
     }
     if points.is_empty() {
-        return Err(LandmarkError::Missing {
-            at: "shapes".to_owned(),
-            what: "a landmark".to_owned(),
-        });
+        return Err(LandmarkError::missing("shapes", "a landmark"));
     }
     let identity = annotation.identity.unwrap_or_default();
     let landmarks = Reading {

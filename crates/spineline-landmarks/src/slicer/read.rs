@@ -106,10 +106,7 @@ pub fn parse_slicer(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, L
     }
     lists.retain(|_, list| !list.points.is_empty());
     if lists.is_empty() {
-        return Err(LandmarkError::Missing {
-            at: "markups".to_owned(),
-            what: "a point list with a placed point".to_owned(),
-        });
+        return Err(LandmarkError::missing("markups", "a point list with a placed point"));
     }
     let mut films: BTreeMap<Option<Posture>, Film> = BTreeMap::new();
     for (key, list) in lists {
@@ -204,10 +201,9 @@ fn never_placed<'a>(point: &'a ControlPoint, at: &str) -> Result<Option<&'a str>
 /// Conversion of the coordinates to LPS.
 fn signs(markup: &Markup, at: &str) -> Result<[f64; 3], LandmarkError> {
     match &markup.coordinate_system {
-        None => Err(LandmarkError::Missing {
-            at: at.to_owned(),
-            what: "`coordinateSystem`, which determines left and right,".to_owned(),
-        }),
+        None => {
+            Err(LandmarkError::missing(at, "`coordinateSystem`, which determines left and right,"))
+        }
         Some(serde_json::Value::String(name)) if name == "LPS" => Ok([1.0, 1.0, 1.0]),
         Some(serde_json::Value::String(name)) if name == "RAS" => Ok([-1.0, -1.0, 1.0]),
         Some(other) => Err(LandmarkError::Value {

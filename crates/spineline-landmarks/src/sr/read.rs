@@ -111,8 +111,7 @@ impl Report {
             .and_then(|item| text(item, tags::TEXT_VALUE))
             .and_then(|text| text.parse::<u32>().ok())
             .filter(|&repeat| repeat > 0);
-        let missing =
-            |what: &str| LandmarkError::Missing { at: at.to_owned(), what: what.to_owned() };
+        let missing = |what: &str| LandmarkError::missing(at, what);
         let posture = posture.ok_or_else(|| missing("the posture"))?;
         let repeat = repeat.ok_or_else(|| missing("the repeat, as a session,"))?;
         if self.posture.replace(posture).is_some_and(|first| first != posture)
@@ -130,10 +129,8 @@ impl Report {
         let level = site.as_ref().and_then(|(value, scheme)| {
             Level::ALL.into_iter().find(|&level| is(codes::vertebra(level), value, scheme))
         });
-        let level = level.ok_or_else(|| LandmarkError::Missing {
-            at: at.to_owned(),
-            what: "a site that is a vertebra from T1 to L5".to_owned(),
-        })?;
+        let level = level
+            .ok_or_else(|| LandmarkError::missing(at, "a site that is a vertebra from T1 to L5"))?;
         let clicked =
             VertebraLandmarks::clicked(Corners::from(corners::<4>(items, codes::TILT, at)?));
         let axis_clockwise = axis(items, at)?;
@@ -155,10 +152,7 @@ fn axis(items: &[InMemDicomObject], at: &str) -> Result<Option<Angle>, LandmarkE
         .get(tags::MEASURED_VALUE_SEQUENCE)
         .and_then(|element| element.items()?.first()?.get(tags::FLOATING_POINT_VALUE))
         .and_then(|element| element.to_float64().ok());
-    let deg = value.ok_or_else(|| LandmarkError::Missing {
-        at: at.to_owned(),
-        what: "the axis in degrees".to_owned(),
-    })?;
+    let deg = value.ok_or_else(|| LandmarkError::missing(at, "the axis in degrees"))?;
     degrees(deg, at).map(Some)
 }
 
@@ -185,10 +179,8 @@ fn corners<const N: usize>(
         .and_then(|item| item.get(tags::GRAPHIC_DATA))
         .and_then(|element| element.to_multi_float32().ok())
         .filter(|data| data.len() == 2 * N);
-    let data = data.ok_or_else(|| LandmarkError::Missing {
-        at: at.to_owned(),
-        what: format!("spatial coordinates of {N} points"),
-    })?;
+    let data = data
+        .ok_or_else(|| LandmarkError::missing(at, format!("spatial coordinates of {N} points")))?;
     let mut places = [Pixel::new(0.0, 0.0); N];
     for (place, pair) in places.iter_mut().zip(data.chunks_exact(2)) {
         *place = pixel(f64::from(pair[0]) - HALF_PIXEL, f64::from(pair[1]) - HALF_PIXEL, at)?;
