@@ -28,10 +28,16 @@ impl From<Tag> for Attribute {
     }
 }
 
+impl From<Attribute> for Tag {
+    fn from(Attribute(group, element): Attribute) -> Self {
+        Self(group, element)
+    }
+}
+
 impl fmt::Display for Attribute {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(group, element) = *self;
-        match StandardDataDictionary.by_tag(Tag(group, element)) {
+        match StandardDataDictionary.by_tag((*self).into()) {
             Some(entry) if !self.is_private() => {
                 write!(f, "{} ({group:04X},{element:04X})", entry.alias())
             }

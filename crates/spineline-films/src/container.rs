@@ -3,10 +3,12 @@
 use std::borrow::Cow;
 use std::io::Read;
 
+use dicom_dictionary_std::tags;
+
 use super::element::{Attributes, parse_meta};
 use super::error::{Codec, CodecFault, FilmError, Lookalike, Measure, Place};
 use super::scan::Encoding;
-use super::{Attribute, FilmKind, FilmLimits, FilmRemark};
+use super::{FilmKind, FilmLimits, FilmRemark};
 
 /// How the pixels of a transfer syntax are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -154,13 +156,13 @@ pub(super) fn open<'a>(bytes: &'a [u8], limits: &FilmLimits) -> Result<Container
     let rest = &bytes[start..];
     let (meta, length) = parse_meta(rest, limits)?;
     let body = &rest[length..];
-    let syntax = match meta.object.text(TRANSFER_SYNTAX) {
+    let syntax = match meta.object.text(tags::TRANSFER_SYNTAX_UID) {
         Some(uid) => SYNTAXES.into_iter().find(|syntax| syntax.uid == uid).ok_or_else(|| {
             let known = uid.starts_with("1.2.840.10008.") && uid.len() <= 64;
             let clean = uid.bytes().all(|b| b.is_ascii_digit() || b == b'.');
             FilmError::TransferSyntax { uid: (known && clean).then_some(uid) }
         })?,
-        None if !meta.is_without(TRANSFER_SYNTAX) => {
+        None if !meta.is_without(tags::TRANSFER_SYNTAX_UID) => {
             return Err(FilmError::TransferSyntax { uid: None });
         }
         None => {
@@ -174,8 +176,6 @@ pub(super) fn open<'a>(bytes: &'a [u8], limits: &FilmLimits) -> Result<Container
         if syntax.deflated { Cow::Owned(inflate(body, limits)?) } else { Cow::Borrowed(body) };
     Ok(Container { syntax, body, remarks })
 }
-
-const TRANSFER_SYNTAX: Attribute = Attribute(0x0002, 0x0010);
 
 fn inflate(body: &[u8], limits: &FilmLimits) -> Result<Vec<u8>, FilmError> {
     let mut inflated = Vec::new();

@@ -1,8 +1,11 @@
 //! The attributes of a data set, read by dicom-rs after the scan.
 
-use dicom_core::value::{PrimitiveValue, Value};
-use dicom_core::{Tag, VR};
+use dicom_core::header::Length;
+use dicom_core::value::{DataSetSequence, PrimitiveValue, Value};
+use dicom_core::{DataElement, Tag, VR};
+use dicom_dictionary_std::tags;
 use dicom_object::InMemDicomObject;
+use dicom_object::mem::InMemElement;
 use dicom_transfer_syntax_registry::entries::{
     EXPLICIT_VR_BIG_ENDIAN, EXPLICIT_VR_LITTLE_ENDIAN, IMPLICIT_VR_LITTLE_ENDIAN,
 };
@@ -60,37 +63,31 @@ fn read(scan: Scan<'_>, encoding: Encoding) -> Result<DataSet<'_>, FilmError> {
 
 impl DataSet<'_> {
     /// Whether the file lacks this element.
-    pub fn is_without(&self, attribute: Attribute) -> bool {
-        self.object.get(attribute.into()).is_none() && !self.left_out.contains(&attribute)
-    }
-}
-
-impl From<Attribute> for Tag {
-    fn from(Attribute(group, element): Attribute) -> Self {
-        Self(group, element)
+    pub fn is_without(&self, tag: Tag) -> bool {
+        self.object.get(tag).is_none() && !self.left_out.contains(&tag.into())
     }
 }
 
 /// Access to attributes of a data set or an item.
 pub(super) trait Attributes {
-    fn primitive(&self, attribute: Attribute) -> Option<(VR, &PrimitiveValue)>;
+    fn primitive(&self, tag: impl Into<Tag>) -> Option<(VR, &PrimitiveValue)>;
 
     /// The first item of a sequence.
-    fn item(&self, attribute: Attribute) -> Option<&InMemDicomObject>;
+    fn item(&self, tag: impl Into<Tag>) -> Option<&InMemDicomObject>;
 
     /// Whether an attribute is absent, or blank.
-    fn is_blank(&self, attribute: Attribute) -> bool;
+    fn is_blank(&self, tag: impl Into<Tag>) -> bool;
 
     /// The text of an attribute without its padding; `None` where it is absent, empty or not ASCII.
-    fn text(&self, attribute: Attribute) -> Option<String> {
-        let text = text(self.primitive(attribute)?.1)?;
+    fn text(&self, tag: impl Into<Tag>) -> Option<String> {
+        let text = text(self.primitive(tag)?.1)?;
         let text = text.trim_matches([' ', '\0']);
         (text.is_ascii() && !text.is_empty()).then(|| text.to_owned())
     }
 
     /// All 16-bit values of an attribute.
-    fn words(&self, attribute: Attribute) -> Option<Vec<u16>> {
-        match self.primitive(attribute)?.1 {
+    fn words(&self, tag: impl Into<Tag>) -> Option<Vec<u16>> {
+        match self.primitive(tag)?.1 {
             PrimitiveValue::U16(words) => Some(words.to_vec()),
             PrimitiveValue::I16(words) => Some(words.iter().map(|w| w.cast_unsigned()).collect()),
             // Unknown value representations are little endian.
@@ -105,37 +102,37 @@ pub(super) trait Attributes {
     ///
     /// # Errors
     /// [`FilmError::Element`] for another value.
-    fn word(&self, attribute: Attribute) -> Result<Option<u16>, FilmError> {
-        let wrong = FilmError::Element { attribute, fault: ElementFault::Value };
-        match self.primitive(attribute) {
+    fn word(&self, tag: Tag) -> Result<Option<u16>, FilmError> {
+        let wrong = FilmError::Element { attribute: tag.into(), fault: ElementFault::Value };
+        match self.primitive(tag) {
             Some((_, PrimitiveValue::Empty)) => Ok(None),
             Some((VR::US | VR::SS | VR::UN, value)) if value.calculate_byte_len() == 2 => {
-                match self.words(attribute).as_deref() {
+                match self.words(tag).as_deref() {
                     Some(&[word]) => Ok(Some(word)),
                     _ => Err(wrong),
                 }
             }
-            None if self.item(attribute).is_none() => Ok(None),
+            None if self.item(tag).is_none() => Ok(None),
             _ => Err(wrong),
         }
     }
 }
 
 impl Attributes for InMemDicomObject {
-    fn primitive(&self, attribute: Attribute) -> Option<(VR, &PrimitiveValue)> {
-        let element = self.get(attribute.into())?;
+    fn primitive(&self, tag: impl Into<Tag>) -> Option<(VR, &PrimitiveValue)> {
+        let element = self.get(tag.into())?;
         Some((element.vr(), element.value().primitive()?))
     }
 
-    fn item(&self, attribute: Attribute) -> Option<&InMemDicomObject> {
-        match self.get(attribute.into())?.value() {
+    fn item(&self, tag: impl Into<Tag>) -> Option<&InMemDicomObject> {
+        match self.get(tag.into())?.value() {
             Value::Sequence(items) => items.items().first(),
             _ => None,
         }
     }
 
-    fn is_blank(&self, attribute: Attribute) -> bool {
-        let Some(element) = self.get(attribute.into()) else { return true };
+    fn is_blank(&self, tag: impl Into<Tag>) -> bool {
+        let Some(element) = self.get(tag.into()) else { return true };
         element.value().primitive().is_some_and(|value| match value {
             PrimitiveValue::Empty => true,
             value => text(value).is_some_and(|text| text.chars().all(|c| c == ' ' || c == '\0')),
@@ -152,6 +149,29 @@ fn text(value: &PrimitiveValue) -> Option<String> {
     }
 }
 
+/// An element with one value.
+pub(super) fn element(
+    tag: impl Into<Tag>,
+    vr: VR,
+    value: impl Into<PrimitiveValue>,
+) -> InMemElement {
+    DataElement::new(tag.into(), vr, value.into())
+}
+
+/// A sequence with these items.
+pub(super) fn sequence(tag: impl Into<Tag>, items: Vec<InMemDicomObject>) -> InMemElement {
+    DataElement::new(tag.into(), VR::SQ, DataSetSequence::new(items, Length::UNDEFINED))
+}
+
+/// An item with a code of a scheme.
+pub(super) fn code_item(value: &str, scheme: &str, meaning: &str) -> InMemDicomObject {
+    InMemDicomObject::from_element_iter([
+        element(tags::CODE_VALUE, VR::SH, value),
+        element(tags::CODING_SCHEME_DESIGNATOR, VR::SH, scheme),
+        element(tags::CODE_MEANING, VR::LO, meaning),
+    ])
+}
+
 /// A decimal string: digits, sign, point and exponent of ten. Commas, texts and overflows are refused.
 pub(super) fn decimal(text: &str) -> Option<f64> {
     let text = text.trim_matches(|c: char| c == ' ' || c == '\0');
@@ -163,13 +183,13 @@ pub(super) fn decimal(text: &str) -> Option<f64> {
 /// One number; a remark for any other value.
 pub(super) fn number(
     data: &InMemDicomObject,
-    attribute: Attribute,
+    tag: Tag,
     remarks: &mut Vec<FilmRemark>,
 ) -> Option<f64> {
-    numbers(data, attribute, remarks).and_then(|values| match values[..] {
+    numbers(data, tag, remarks).and_then(|values| match values[..] {
         [value] => Some(value),
         _ => {
-            remarks.push(FilmRemark::Unusable { attribute });
+            remarks.push(FilmRemark::unusable(tag));
             None
         }
     })
@@ -178,15 +198,15 @@ pub(super) fn number(
 /// All numbers of an attribute; a remark if a value is not a number.
 pub(super) fn numbers(
     data: &InMemDicomObject,
-    attribute: Attribute,
+    tag: Tag,
     remarks: &mut Vec<FilmRemark>,
 ) -> Option<Vec<f64>> {
-    if data.is_blank(attribute) {
+    if data.is_blank(tag) {
         return None;
     }
-    let values = data.text(attribute).and_then(|text| text.split('\\').map(decimal).collect());
+    let values = data.text(tag).and_then(|text| text.split('\\').map(decimal).collect());
     if values.is_none() {
-        remarks.push(FilmRemark::Unusable { attribute });
+        remarks.push(FilmRemark::unusable(tag));
     }
     values
 }

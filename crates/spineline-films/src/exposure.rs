@@ -3,17 +3,12 @@
 use std::fmt;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use dicom_dictionary_std::tags;
 use dicom_object::InMemDicomObject;
 use serde::{Deserialize, Serialize};
 use spineline::number::fixed;
 
-use super::Attribute;
 use super::element::Attributes;
-
-const ACQUISITION_DATE: Attribute = Attribute(0x0008, 0x0022);
-const ACQUISITION_TIME: Attribute = Attribute(0x0008, 0x0032);
-const ACQUISITION_DATE_TIME: Attribute = Attribute(0x0008, 0x002A);
-const FRAME_OF_REFERENCE: Attribute = Attribute(0x0020, 0x0052);
 
 /// Acquisitions within this time are one: patients cannot turn by a right angle so fast (assumption).
 const TOGETHER_S: f64 = 2.0;
@@ -71,7 +66,7 @@ impl fmt::Display for Exposures {
 
 impl ExposureMarks {
     pub(super) fn read(data: &InMemDicomObject) -> Self {
-        let frame = data.text(FRAME_OF_REFERENCE).map(|text| hash(&text));
+        let frame = data.text(tags::FRAME_OF_REFERENCE_UID).map(|text| hash(&text));
         Self { frame, acquired: acquired(data) }
     }
 
@@ -101,11 +96,11 @@ impl ExposureMarks {
 
 /// Day and time of the acquisition. De-identification leaves midnight as the time, so midnight counts as missing.
 fn acquired(data: &InMemDicomObject) -> Option<(u64, f64)> {
-    let both = data.text(ACQUISITION_DATE_TIME).and_then(|text| {
+    let both = data.text(tags::ACQUISITION_DATE_TIME).and_then(|text| {
         let (day, time) = text.split_at_checked(8)?;
         Some((day.to_owned(), time.split(['+', '-', '&']).next().unwrap_or_default().to_owned()))
     });
-    let apart = || data.text(ACQUISITION_DATE).zip(data.text(ACQUISITION_TIME));
+    let apart = || data.text(tags::ACQUISITION_DATE).zip(data.text(tags::ACQUISITION_TIME));
     let (day, time) = both.or_else(apart)?;
     let seconds = seconds(&time).filter(|s| *s > 0.0)?;
     Some((hash(&day), seconds))

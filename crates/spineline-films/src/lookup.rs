@@ -1,11 +1,13 @@
 //! Tables and windows that turn stored values into grey, as a file states them.
 
+use dicom_core::Tag;
 use dicom_core::value::PrimitiveValue;
+use dicom_dictionary_std::tags;
 use dicom_object::InMemDicomObject;
 use serde::{Deserialize, Serialize};
 
+use super::FilmRemark;
 use super::element::{Attributes, number, numbers};
-use super::{Attribute, FilmRemark};
 
 /// A table of up to 65536 values.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -134,37 +136,24 @@ impl Look {
     }
 }
 
-const MODALITY_LUT: Attribute = Attribute(0x0028, 0x3000);
-const VOI_LUT: Attribute = Attribute(0x0028, 0x3010);
-const DESCRIPTOR: Attribute = Attribute(0x0028, 0x3002);
-const LUT_DATA: Attribute = Attribute(0x0028, 0x3006);
-const WINDOW_CENTER: Attribute = Attribute(0x0028, 0x1050);
-const WINDOW_WIDTH: Attribute = Attribute(0x0028, 0x1051);
-const VOI_FUNCTION: Attribute = Attribute(0x0028, 0x1056);
-const INTERCEPT: Attribute = Attribute(0x0028, 0x1052);
-const SLOPE: Attribute = Attribute(0x0028, 0x1053);
-const REPRESENTATION: Attribute = Attribute(0x0028, 0x0103);
-const PADDING: Attribute = Attribute(0x0028, 0x0120);
-const PADDING_LIMIT: Attribute = Attribute(0x0028, 0x0121);
-
 /// Reads the tables and windows of a data set; invalid ones get a remark.
 pub(super) fn look(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Look {
-    let signed = matches!(data.word(REPRESENTATION), Ok(Some(1)));
+    let signed = matches!(data.word(tags::PIXEL_REPRESENTATION), Ok(Some(1)));
     let modality = modality(data, signed, remarks);
     let below_zero = match modality {
         ModalityTransform::Rescale { slope, intercept } => signed || intercept < 0.0 || slope < 0.0,
         ModalityTransform::Lut(_) => false,
     };
     let mut voi = Vec::new();
-    if let Some(item) = data.item(VOI_LUT) {
+    if let Some(item) = data.item(tags::VOILUT_SEQUENCE) {
         match lut(item, below_zero) {
             Some(table) => voi.push(Voi::Lut(table)),
-            None => remarks.push(FilmRemark::LookupUnusable { attribute: VOI_LUT }),
+            None => remarks.push(FilmRemark::lookup_unusable(tags::VOILUT_SEQUENCE)),
         }
     }
     voi.extend(windows(data, remarks).into_iter().map(Voi::Window));
-    let padding = data.word(PADDING).ok().flatten().map(|value| {
-        let limit = data.word(PADDING_LIMIT).ok().flatten().unwrap_or(value);
+    let padding = data.word(tags::PIXEL_PADDING_VALUE).ok().flatten().map(|value| {
+        let limit = data.word(tags::PIXEL_PADDING_RANGE_LIMIT).ok().flatten().unwrap_or(value);
         let [a, b] = [value, limit].map(|word| signed_word(word, signed));
         [a.min(b), a.max(b)]
     });
@@ -176,42 +165,42 @@ fn modality(
     signed: bool,
     remarks: &mut Vec<FilmRemark>,
 ) -> ModalityTransform {
-    if let Some(item) = data.item(MODALITY_LUT) {
+    if let Some(item) = data.item(tags::MODALITY_LUT_SEQUENCE) {
         match lut(item, signed) {
             Some(table) => return ModalityTransform::Lut(table),
-            None => remarks.push(FilmRemark::LookupUnusable { attribute: MODALITY_LUT }),
+            None => remarks.push(FilmRemark::lookup_unusable(tags::MODALITY_LUT_SEQUENCE)),
         }
     }
-    let slope = match number(data, SLOPE, remarks) {
+    let slope = match number(data, tags::RESCALE_SLOPE, remarks) {
         Some(slope) if slope.abs() < 1e-12 || slope.abs() > 1e12 => {
-            remarks.push(FilmRemark::Unusable { attribute: SLOPE });
+            remarks.push(FilmRemark::unusable(tags::RESCALE_SLOPE));
             return ModalityTransform::IDENTITY;
         }
         slope => slope.unwrap_or(1.0),
     };
-    let intercept = number(data, INTERCEPT, remarks).unwrap_or(0.0);
+    let intercept = number(data, tags::RESCALE_INTERCEPT, remarks).unwrap_or(0.0);
     ModalityTransform::Rescale { slope, intercept }
 }
 
 fn windows(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Vec<Window> {
-    let function = match data.text(VOI_FUNCTION).as_deref() {
+    let function = match data.text(tags::VOILUT_FUNCTION).as_deref() {
         None | Some("LINEAR") => WindowFunction::Linear,
         Some("LINEAR_EXACT") => WindowFunction::LinearExact,
         Some("SIGMOID") => WindowFunction::Sigmoid,
         Some(_) => {
-            remarks.push(FilmRemark::LookupUnusable { attribute: VOI_FUNCTION });
+            remarks.push(FilmRemark::lookup_unusable(tags::VOILUT_FUNCTION));
             return Vec::new();
         }
     };
-    let centers = numbers(data, WINDOW_CENTER, remarks).unwrap_or_default();
-    let widths = numbers(data, WINDOW_WIDTH, remarks).unwrap_or_default();
+    let centers = numbers(data, tags::WINDOW_CENTER, remarks).unwrap_or_default();
+    let widths = numbers(data, tags::WINDOW_WIDTH, remarks).unwrap_or_default();
     let windows: Vec<_> = centers
         .iter()
         .zip(&widths)
         .map(|(&center, &width)| Window { center, width, function })
         .collect();
     if centers.len() != widths.len() || !windows.iter().all(Window::is_valid) {
-        remarks.push(FilmRemark::LookupUnusable { attribute: WINDOW_WIDTH });
+        remarks.push(FilmRemark::lookup_unusable(tags::WINDOW_WIDTH));
     }
     windows.into_iter().filter(Window::is_valid).collect()
 }
@@ -225,17 +214,17 @@ fn signed_word(word: u16, signed: bool) -> i32 {
 /// # References
 /// DICOM PS3.3, C.11.1.1 and C.11.2.1.1: 0 entries are 65536; entries of 8 bits may be packed two to a word.
 fn lut(item: &InMemDicomObject, signed: bool) -> Option<Lut> {
-    let [entries, first, bits] = item.words(DESCRIPTOR)?[..] else { return None };
+    let [entries, first, bits] = item.words(tags::LUT_DESCRIPTOR)?[..] else { return None };
     let entries = if entries == 0 { 65536 } else { usize::from(entries) };
     let bits = u8::try_from(bits).ok().filter(|bits| (8..=16).contains(bits))?;
-    let values: Vec<u16> = match item.primitive(LUT_DATA)?.1 {
+    let values: Vec<u16> = match item.primitive(tags::LUT_DATA)?.1 {
         PrimitiveValue::U16(words) if words.len() == entries => words.to_vec(),
         // Packed: the low byte of a word comes first.
         PrimitiveValue::U16(words) if bits == 8 && words.len() == entries.div_ceil(2) => {
             let pairs = words.iter().flat_map(|word| [word & 0xFF, word >> 8]);
             pairs.take(entries).collect()
         }
-        PrimitiveValue::U8(bytes) if bytes.len() == 2 * entries => item.words(LUT_DATA)?,
+        PrimitiveValue::U8(bytes) if bytes.len() == 2 * entries => item.words(tags::LUT_DATA)?,
         PrimitiveValue::U8(bytes) if bits == 8 && bytes.len().abs_diff(entries) <= 1 => {
             bytes.get(..entries)?.iter().map(|&byte| u16::from(byte)).collect()
         }
@@ -247,6 +236,6 @@ fn lut(item: &InMemDicomObject, signed: bool) -> Option<Lut> {
 /// The unchanged descriptor and data of an item of a LUT sequence, if they make a table.
 pub(super) fn whole_table(item: &InMemDicomObject) -> Option<[PrimitiveValue; 2]> {
     lut(item, false)?;
-    let part = |attribute| item.primitive(attribute).map(|(_, value)| value.clone());
-    Some([part(DESCRIPTOR)?, part(LUT_DATA)?])
+    let part = |tag: Tag| item.primitive(tag).map(|(_, value)| value.clone());
+    Some([part(tags::LUT_DESCRIPTOR)?, part(tags::LUT_DATA)?])
 }

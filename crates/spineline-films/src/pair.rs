@@ -1,10 +1,11 @@
 //! Two values of one attribute: distances between pixels, or the sides of a pixel, vertical first. Devices also
 //! separate them with commas, blanks and other marks; a text with only one meaning is read.
 
+use dicom_core::Tag;
 use dicom_object::InMemDicomObject;
 
+use super::FilmRemark;
 use super::element::{Attributes, decimal};
-use super::{Attribute, FilmRemark};
 
 /// Longest text of a pair that a remark shows.
 const MAX_SHOWN: usize = 48;
@@ -12,18 +13,18 @@ const MAX_SHOWN: usize = 48;
 /// The two values of an attribute, with a remark if their notation differs from the standard.
 pub(super) fn pair(
     data: &InMemDicomObject,
-    attribute: Attribute,
+    tag: Tag,
     remarks: &mut Vec<FilmRemark>,
 ) -> Option<[f64; 2]> {
-    if data.is_blank(attribute) {
+    if data.is_blank(tag) {
         return None;
     }
-    let text = data.text(attribute).unwrap_or_default();
+    let text = data.text(tag).unwrap_or_default();
     if let [Some(down), Some(across)] = text.split('\\').map(decimal).collect::<Vec<_>>()[..] {
         return Some([down, across]);
     }
     let values = only_meaning(&text);
-    let text = shown(&text).into();
+    let (attribute, text) = (tag.into(), shown(&text).into());
     remarks.push(match values {
         Some(values) => FilmRemark::PairReadAs { attribute, text, values },
         None => FilmRemark::PairUnreadable { attribute, text },
@@ -34,15 +35,15 @@ pub(super) fn pair(
 /// Height of a pixel over its width, from the lengths of its sides.
 pub(super) fn aspect(
     data: &InMemDicomObject,
-    attribute: Attribute,
+    tag: Tag,
     remarks: &mut Vec<FilmRemark>,
 ) -> Option<f64> {
-    let [down, across] = pair(data, attribute, remarks)?;
+    let [down, across] = pair(data, tag, remarks)?;
     if down > 0.0 && across > 0.0 {
         return Some(down / across);
     }
-    let text = shown(&data.text(attribute).unwrap_or_default()).into();
-    remarks.push(FilmRemark::PairUnreadable { attribute, text });
+    let text = shown(&data.text(tag).unwrap_or_default()).into();
+    remarks.push(FilmRemark::PairUnreadable { attribute: tag.into(), text });
     None
 }
 

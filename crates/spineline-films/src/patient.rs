@@ -2,16 +2,13 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use dicom_core::Tag;
+use dicom_dictionary_std::tags;
 use dicom_object::InMemDicomObject;
 use serde::{Deserialize, Serialize};
 
+use super::FilmRemark;
 use super::element::Attributes;
-use super::{Attribute, FilmRemark};
-
-const BODY_PART: Attribute = Attribute(0x0018, 0x0015);
-const PATIENT_ID: Attribute = Attribute(0x0010, 0x0020);
-const BIRTH_DATE: Attribute = Attribute(0x0010, 0x0030);
-const SEX: Attribute = Attribute(0x0010, 0x0040);
 
 /// Values of Body Part Examined in DICOM PS3.16, annex L, that exclude a spine from L4 to T2.
 const OTHER_PARTS: [&str; 41] = [
@@ -68,8 +65,12 @@ pub struct PatientMarks {
 
 impl PatientMarks {
     pub(super) fn read(data: &InMemDicomObject) -> Self {
-        let mark = |attribute| data.text(attribute).map(|text| mark(&text));
-        Self { id: mark(PATIENT_ID), birth_date: mark(BIRTH_DATE), sex: mark(SEX) }
+        let mark = |tag: Tag| data.text(tag).map(|text| mark(&text));
+        Self {
+            id: mark(tags::PATIENT_ID),
+            birth_date: mark(tags::PATIENT_BIRTH_DATE),
+            sex: mark(tags::PATIENT_SEX),
+        }
     }
 
     /// The identity that an archive states by a Patient ID alone.
@@ -109,7 +110,9 @@ pub(super) fn other_body_part(
     data: &InMemDicomObject,
     modality: Option<&str>,
 ) -> Option<FilmRemark> {
-    let stated = data.text(BODY_PART).map(|text| text.to_ascii_uppercase().replace([' ', '_'], ""));
+    let stated = data
+        .text(tags::BODY_PART_EXAMINED)
+        .map(|text| text.to_ascii_uppercase().replace([' ', '_'], ""));
     let by_part = OTHER_PARTS.into_iter().find(|part| stated.as_deref() == Some(*part));
     let part = by_part.or_else(|| (modality == Some("MG")).then_some("BREAST"))?;
     Some(FilmRemark::OtherBodyPart { part: part.into() })

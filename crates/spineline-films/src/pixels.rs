@@ -1,7 +1,8 @@
 //! Pixels of a DICOM data set, exact.
 
-use dicom_core::VR;
 use dicom_core::value::Value;
+use dicom_core::{Tag, VR};
+use dicom_dictionary_std::tags;
 use dicom_object::InMemDicomObject;
 
 use super::codec::{self, Coded, Format};
@@ -9,17 +10,7 @@ use super::container::{Packing, Syntax};
 use super::element::{Attributes, DataSet};
 use super::error::{FilmError, Measure, UnsupportedPhotometric};
 use super::scan::PIXEL_DATA;
-use super::{Attribute, Codec, CodecFault, FilmLimits, FilmRemark, Photometric, StoredPixels};
-
-const SAMPLES: Attribute = Attribute(0x0028, 0x0002);
-const PHOTOMETRIC: Attribute = Attribute(0x0028, 0x0004);
-const PLANAR: Attribute = Attribute(0x0028, 0x0006);
-const ROWS: Attribute = Attribute(0x0028, 0x0010);
-const COLUMNS: Attribute = Attribute(0x0028, 0x0011);
-const BITS_ALLOCATED: Attribute = Attribute(0x0028, 0x0100);
-const BITS_STORED: Attribute = Attribute(0x0028, 0x0101);
-const HIGH_BIT: Attribute = Attribute(0x0028, 0x0102);
-const REPRESENTATION: Attribute = Attribute(0x0028, 0x0103);
+use super::{Codec, CodecFault, FilmLimits, FilmRemark, Photometric, StoredPixels};
 
 pub(super) struct Picture {
     pub columns: u32,
@@ -84,46 +75,45 @@ pub(super) fn format(
     photometric: Photometric,
     limits: &FilmLimits,
 ) -> Result<Format, FilmError> {
-    let needed = |attribute: Attribute| {
-        data.word(attribute)?.ok_or(FilmError::NoPixels { missing: attribute })
-    };
-    let wrong = |attribute: Attribute, value: u16| FilmError::PixelFormat {
-        attribute,
+    let needed = |tag: Tag| data.word(tag)?.ok_or(FilmError::NoPixels { missing: tag.into() });
+    let wrong = |tag: Tag, value: u16| FilmError::PixelFormat {
+        attribute: tag.into(),
         value: u32::from(value),
     };
-    let (rows, columns) = (needed(ROWS)?, needed(COLUMNS)?);
-    for (attribute, value) in [(ROWS, rows), (COLUMNS, columns)] {
+    let (rows, columns) = (needed(tags::ROWS)?, needed(tags::COLUMNS)?);
+    for (tag, value) in [(tags::ROWS, rows), (tags::COLUMNS, columns)] {
         if value == 0 {
-            return Err(wrong(attribute, value));
+            return Err(wrong(tag, value));
         }
     }
     Measure::Pixels.within(u64::from(rows) * u64::from(columns), limits.pixels)?;
-    let samples = data.word(SAMPLES)?.unwrap_or(1);
+    let samples = data.word(tags::SAMPLES_PER_PIXEL)?.unwrap_or(1);
     let colour = photometric == Photometric::Colour;
     if samples != if colour { 3 } else { 1 } {
-        return Err(wrong(SAMPLES, samples));
+        return Err(wrong(tags::SAMPLES_PER_PIXEL, samples));
     }
-    let allocated = needed(BITS_ALLOCATED)?;
+    let allocated = needed(tags::BITS_ALLOCATED)?;
     if !(allocated == 8 || allocated == 16 && !colour) {
-        return Err(wrong(BITS_ALLOCATED, allocated));
+        return Err(wrong(tags::BITS_ALLOCATED, allocated));
     }
-    let stored = data.word(BITS_STORED)?.unwrap_or(allocated);
+    let stored = data.word(tags::BITS_STORED)?.unwrap_or(allocated);
     if stored == 0 || stored > allocated || colour && stored != 8 {
-        return Err(wrong(BITS_STORED, stored));
+        return Err(wrong(tags::BITS_STORED, stored));
     }
-    let high = data.word(HIGH_BIT)?.unwrap_or(stored - 1);
+    let high = data.word(tags::HIGH_BIT)?.unwrap_or(stored - 1);
     if high >= allocated || high + 1 < stored {
-        return Err(wrong(HIGH_BIT, high));
+        return Err(wrong(tags::HIGH_BIT, high));
     }
-    let signed = match data.word(REPRESENTATION)?.unwrap_or(0) {
+    let signed = match data.word(tags::PIXEL_REPRESENTATION)?.unwrap_or(0) {
         0 => false,
         1 if !colour => true,
-        other => return Err(wrong(REPRESENTATION, other)),
+        other => return Err(wrong(tags::PIXEL_REPRESENTATION, other)),
     };
-    let planar = colour && data.word(PLANAR)?.unwrap_or(0) == 1;
+    let planar = colour && data.word(tags::PLANAR_CONFIGURATION)?.unwrap_or(0) == 1;
     // All of these are at most 16 now.
     let [samples, allocated, stored, high] = [samples, allocated, stored, high].map(|v| v as u8);
-    let luminance_first = colour && data.text(PHOTOMETRIC).is_some_and(|p| p.starts_with("YBR"));
+    let luminance_first =
+        colour && data.text(tags::PHOTOMETRIC_INTERPRETATION).is_some_and(|p| p.starts_with("YBR"));
     Ok(Format { columns, rows, samples, planar, luminance_first, allocated, stored, high, signed })
 }
 

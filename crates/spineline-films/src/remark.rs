@@ -1,5 +1,6 @@
 use std::borrow::Cow;
 
+use dicom_core::Tag;
 use serde::{Deserialize, Serialize};
 use spineline::number::fixed;
 
@@ -115,6 +116,14 @@ pub enum FilmRemark {
 }
 
 impl FilmRemark {
+    pub(super) fn unusable(tag: Tag) -> Self {
+        Self::Unusable { attribute: tag.into() }
+    }
+
+    pub(super) fn lookup_unusable(tag: Tag) -> Self {
+        Self::LookupUnusable { attribute: tag.into() }
+    }
+
     /// Whether the file states another part of the body than the spine.
     #[must_use]
     pub const fn is_other_body_part(&self) -> bool {

@@ -1,6 +1,8 @@
 //! Values of a film's attributes for measuring.
 
+use dicom_core::Tag;
 use dicom_core::value::Value;
+use dicom_dictionary_std::tags;
 use dicom_object::InMemDicomObject;
 use spineline_marking::{
     CalibrationType, PatientDirection, SpacingEvidence, Stance, ViewEvidence, ViewPosition,
@@ -12,30 +14,7 @@ use super::lookup::{Look, look};
 use super::pair::{aspect, pair};
 use super::patient::{PatientMarks, other_body_part};
 use super::scan::PIXEL_DATA;
-use super::{
-    Attribute, ExposureMarks, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape,
-};
-
-const IMAGE_TYPE_LOSSY: Attribute = Attribute(0x0028, 0x2110);
-const SOP_CLASS: Attribute = Attribute(0x0008, 0x0016);
-const SOP_INSTANCE: Attribute = Attribute(0x0008, 0x0018);
-pub(super) const MODALITY: Attribute = Attribute(0x0008, 0x0060);
-const INTENT: Attribute = Attribute(0x0008, 0x0068);
-const VIEW_POSITION: Attribute = Attribute(0x0018, 0x5101);
-const STUDY_INSTANCE: Attribute = Attribute(0x0020, 0x000D);
-const SERIES_INSTANCE: Attribute = Attribute(0x0020, 0x000E);
-const ORIENTATION: Attribute = Attribute(0x0020, 0x0020);
-const PHOTOMETRIC: Attribute = Attribute(0x0028, 0x0004);
-const FRAMES: Attribute = Attribute(0x0028, 0x0008);
-const PIXEL_SPACING: Attribute = Attribute(0x0028, 0x0030);
-const ASPECT: Attribute = Attribute(0x0028, 0x0034);
-const QUALITY_CONTROL: Attribute = Attribute(0x0028, 0x0300);
-const BURNED_IN: Attribute = Attribute(0x0028, 0x0301);
-const CALIBRATION: Attribute = Attribute(0x0028, 0x0A02);
-const STANCE: Attribute = Attribute(0x0054, 0x0410);
-const VIEW_CODE: Attribute = Attribute(0x0054, 0x0220);
-const CODE_VALUE: Attribute = Attribute(0x0008, 0x0100);
-const SHAPE: Attribute = Attribute(0x2050, 0x0020);
+use super::{ExposureMarks, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape};
 
 /// Modalities whose pictures can be radiographs: devices, scanned films, and captures of either.
 const RADIOGRAPHS: [&str; 10] = ["CR", "DX", "RG", "RF", "XA", "MG", "OT", "SC", "HC", "XC"];
@@ -60,10 +39,10 @@ pub(super) fn read(
     refuse_other_pixels(with_pixels)?;
     name_left_out(with_pixels, remarks);
     let (photometric, shape) = polarity(data, remarks)?;
-    if data.text(IMAGE_TYPE_LOSSY).as_deref() == Some("01") {
+    if data.text(tags::LOSSY_IMAGE_COMPRESSION).as_deref() == Some("01") {
         remarks.push(FilmRemark::Lossy);
     }
-    if data.text(INTENT).as_deref() == Some("FOR PROCESSING") {
+    if data.text(tags::PRESENTATION_INTENT_TYPE).as_deref() == Some("FOR PROCESSING") {
         remarks.push(FilmRemark::ForProcessing);
     }
     let burned_in = burned_in(data, remarks);
@@ -75,14 +54,14 @@ pub(super) fn read(
         photometric,
         presentation_lut_shape: shape,
         burned_in_annotation: burned_in,
-        is_phantom: data.text(QUALITY_CONTROL).as_deref() == Some("YES"),
+        is_phantom: data.text(tags::QUALITY_CONTROL_IMAGE).as_deref() == Some("YES"),
         patient: PatientMarks::read(data),
         exposure: ExposureMarks::read(data),
         uids: FilmUids {
-            sop_class: uid(data, SOP_CLASS, remarks),
-            sop_instance: uid(data, SOP_INSTANCE, remarks),
-            study_instance: uid(data, STUDY_INSTANCE, remarks),
-            series_instance: uid(data, SERIES_INSTANCE, remarks),
+            sop_class: uid(data, tags::SOP_CLASS_UID, remarks),
+            sop_instance: uid(data, tags::SOP_INSTANCE_UID, remarks),
+            study_instance: uid(data, tags::STUDY_INSTANCE_UID, remarks),
+            series_instance: uid(data, tags::SERIES_INSTANCE_UID, remarks),
         },
         transfer_syntax: Some(syntax_name.into()),
         bits_stored: 0,
@@ -95,12 +74,12 @@ fn polarity(
     data: &InMemDicomObject,
     remarks: &mut Vec<FilmRemark>,
 ) -> Result<(Photometric, Option<PresentationShape>), FilmError> {
-    let photometric = Photometric::read(data.text(PHOTOMETRIC).as_deref())?;
-    let shape = data.text(SHAPE).and_then(|text| match text.as_str() {
+    let photometric = Photometric::read(data.text(tags::PHOTOMETRIC_INTERPRETATION).as_deref())?;
+    let shape = data.text(tags::PRESENTATION_LUT_SHAPE).and_then(|text| match text.as_str() {
         "IDENTITY" => Some(PresentationShape::Identity),
         "INVERSE" => Some(PresentationShape::Inverse),
         _ => {
-            remarks.push(FilmRemark::Unusable { attribute: SHAPE });
+            remarks.push(FilmRemark::unusable(tags::PRESENTATION_LUT_SHAPE));
             None
         }
     });
@@ -117,7 +96,7 @@ fn polarity(
 
 /// Whether the pixels show text; `None` if not stated.
 fn burned_in(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Option<bool> {
-    let burned_in = match data.text(BURNED_IN).as_deref() {
+    let burned_in = match data.text(tags::BURNED_IN_ANNOTATION).as_deref() {
         Some("YES") => Some(true),
         Some("NO") => Some(false),
         _ => None,
@@ -134,7 +113,7 @@ fn modality(
     data: &InMemDicomObject,
     remarks: &mut Vec<FilmRemark>,
 ) -> Result<Option<String>, FilmError> {
-    match data.text(MODALITY) {
+    match data.text(tags::MODALITY) {
         Some(text) if RADIOGRAPHS.contains(&text.as_str()) => Ok(Some(text)),
         Some(text) => {
             let known = OTHER_MODALITIES.contains(&text.as_str());
@@ -158,8 +137,8 @@ fn name_left_out(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) {
 }
 
 fn refuse_other_pixels(data: &DataSet<'_>) -> Result<(), FilmError> {
-    if !data.object.is_blank(FRAMES) {
-        match data.object.text(FRAMES).and_then(|text| text.parse::<u32>().ok()) {
+    if !data.object.is_blank(tags::NUMBER_OF_FRAMES) {
+        match data.object.text(tags::NUMBER_OF_FRAMES).and_then(|text| text.parse::<u32>().ok()) {
             Some(1) => {}
             frames => return Err(FilmError::Frames { frames: frames.unwrap_or(0) }),
         }
@@ -174,28 +153,29 @@ fn refuse_other_pixels(data: &DataSet<'_>) -> Result<(), FilmError> {
 }
 
 fn spacing(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> SpacingEvidence {
+    const CALIBRATION: Tag = tags::PIXEL_SPACING_CALIBRATION_TYPE;
     let calibration = data.text(CALIBRATION).and_then(|text| match text.as_str() {
         "GEOMETRY" => Some(CalibrationType::Geometry),
         "FIDUCIAL" => Some(CalibrationType::Fiducial),
         _ => {
-            remarks.push(FilmRemark::Unusable { attribute: CALIBRATION });
+            remarks.push(FilmRemark::unusable(CALIBRATION));
             None
         }
     });
     SpacingEvidence {
-        pixel_mm: pair(data, PIXEL_SPACING, remarks),
+        pixel_mm: pair(data, tags::PIXEL_SPACING, remarks),
         calibration,
-        imager_mm: pair(data, Attribute(0x0018, 0x1164), remarks),
-        magnification: number(data, Attribute(0x0018, 0x1114), remarks),
-        source_to_detector_mm: number(data, Attribute(0x0018, 0x1110), remarks),
-        source_to_patient_mm: number(data, Attribute(0x0018, 0x1111), remarks),
-        scanned_mm: pair(data, Attribute(0x0018, 0x2010), remarks),
-        pixel_aspect: aspect(data, ASPECT, remarks),
+        imager_mm: pair(data, tags::IMAGER_PIXEL_SPACING, remarks),
+        magnification: number(data, tags::ESTIMATED_RADIOGRAPHIC_MAGNIFICATION_FACTOR, remarks),
+        source_to_detector_mm: number(data, tags::DISTANCE_SOURCE_TO_DETECTOR, remarks),
+        source_to_patient_mm: number(data, tags::DISTANCE_SOURCE_TO_PATIENT, remarks),
+        scanned_mm: pair(data, tags::NOMINAL_SCANNED_PIXEL_SPACING, remarks),
+        pixel_aspect: aspect(data, tags::PIXEL_ASPECT_RATIO, remarks),
     }
 }
 
 fn view(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> ViewEvidence {
-    let orientation = data.text(ORIENTATION).and_then(|text| {
+    let orientation = data.text(tags::PATIENT_ORIENTATION).and_then(|text| {
         let known = |part: &str| {
             let part = part.trim();
             let letters = part.len() <= 3 && part.bytes().all(|b| b"LRAPHF".contains(&b));
@@ -203,22 +183,22 @@ fn view(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> ViewEvidence 
         };
         let pair = text.split_once('\\').and_then(|(a, b)| known(a).zip(known(b)));
         if pair.is_none() {
-            remarks.push(FilmRemark::Unusable { attribute: ORIENTATION });
+            remarks.push(FilmRemark::unusable(tags::PATIENT_ORIENTATION));
         }
         pair.map(|(columns, rows)| [columns, rows])
     });
     let by_code = || {
-        let code = data.item(VIEW_CODE)?.text(CODE_VALUE)?;
+        let code = data.item(tags::VIEW_CODE_SEQUENCE)?.text(tags::CODE_VALUE)?;
         VIEW_CODES.iter().find(|(value, _, _)| *value == code).map(|&(_, _, view)| view)
     };
     ViewEvidence {
         orientation,
         view_position: data
-            .text(VIEW_POSITION)
+            .text(tags::VIEW_POSITION)
             .map(|text| ViewPosition::from_dicom(&text))
             .or_else(by_code),
-        stance: data.item(STANCE).and_then(|item| {
-            let code = item.text(CODE_VALUE)?;
+        stance: data.item(tags::PATIENT_ORIENTATION_CODE_SEQUENCE).and_then(|item| {
+            let code = item.text(tags::CODE_VALUE)?;
             STANCES.iter().find(|(value, _, _)| *value == code).map(|&(_, _, stance)| stance)
         }),
     }
@@ -242,16 +222,12 @@ pub(super) const STANCES: [(&str, &str, Stance); 4] = [
     ("102538003", "recumbent", Stance::Recumbent),
 ];
 
-fn uid(
-    data: &InMemDicomObject,
-    attribute: Attribute,
-    remarks: &mut Vec<FilmRemark>,
-) -> Option<String> {
-    let text = data.text(attribute)?;
+fn uid(data: &InMemDicomObject, tag: Tag, remarks: &mut Vec<FilmRemark>) -> Option<String> {
+    let text = data.text(tag)?;
     if is_uid(&text) {
         return Some(text);
     }
-    remarks.push(FilmRemark::Unusable { attribute });
+    remarks.push(FilmRemark::unusable(tag));
     None
 }
 

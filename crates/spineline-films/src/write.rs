@@ -4,8 +4,7 @@
 //! made from the case's name, so that the same film gives the same file. Attributes that the modules require and a
 //! phantom lacks (dates, a physician) are empty.
 
-use dicom_core::header::Length;
-use dicom_core::value::{DataSetSequence, PixelFragmentSequence, PrimitiveValue, Value};
+use dicom_core::value::{PixelFragmentSequence, PrimitiveValue, Value};
 use dicom_core::{DataElement, Tag, VR};
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
@@ -14,6 +13,7 @@ use spineline::analysis::{Sex, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{ImageGeometry, SpacingPlane};
 
+use super::element::{code_item, element, sequence};
 use super::pixels::little_endian;
 use super::{rle, uid};
 
@@ -178,7 +178,7 @@ const STORAGE: &str = uids::DIGITAL_X_RAY_IMAGE_STORAGE_FOR_PRESENTATION;
 const SOURCE_TO_DETECTOR_MM: f64 = 1980.0;
 
 fn text(object: &mut InMemDicomObject, tag: Tag, vr: VR, value: &str) {
-    object.put(DataElement::new(tag, vr, PrimitiveValue::from(value)));
+    object.put(element(tag, vr, value));
 }
 
 /// A required attribute without a value.
@@ -186,21 +186,9 @@ fn empty(object: &mut InMemDicomObject, tag: Tag, vr: VR) {
     object.put(DataElement::empty(tag, vr));
 }
 
-fn number(object: &mut InMemDicomObject, tag: Tag, value: u16) {
-    object.put(DataElement::new(tag, VR::US, PrimitiveValue::from(value)));
-}
-
 /// A sequence of one coded entry of SNOMED CT.
 fn code(object: &mut InMemDicomObject, tag: Tag, value: &str, meaning: &str) {
-    let mut item = InMemDicomObject::new_empty();
-    text(&mut item, tags::CODE_VALUE, VR::SH, value);
-    text(&mut item, tags::CODING_SCHEME_DESIGNATOR, VR::SH, "SCT");
-    text(&mut item, tags::CODE_MEANING, VR::LO, meaning);
-    sequence(object, tag, vec![item]);
-}
-
-fn sequence(object: &mut InMemDicomObject, tag: Tag, items: Vec<InMemDicomObject>) {
-    object.put(DataElement::new(tag, VR::SQ, DataSetSequence::new(items, Length::UNDEFINED)));
+    object.put(sequence(tag, vec![code_item(value, "SCT", meaning)]));
 }
 
 /// A decimal of at most 16 characters, to ten places.
@@ -315,7 +303,7 @@ impl DicomFilm<'_> {
         };
         text(object, tags::PATIENT_ORIENTATION, VR::CS, rows_grow);
         empty(object, tags::DETECTOR_TYPE, VR::CS);
-        sequence(object, tags::ACQUISITION_CONTEXT_SEQUENCE, Vec::new());
+        object.put(sequence(tags::ACQUISITION_CONTEXT_SEQUENCE, Vec::new()));
         self.put_spacing(object);
     }
 
@@ -369,7 +357,7 @@ impl DicomFilm<'_> {
         // 1: larger values mean more of the beam, as in MONOCHROME1; -1: less.
         let sign: i16 = if self.polarity == FilmPolarity::Monochrome1 { 1 } else { -1 };
         let tag = tags::PIXEL_INTENSITY_RELATIONSHIP_SIGN;
-        object.put(DataElement::new(tag, VR::SS, PrimitiveValue::from(sign)));
+        object.put(element(tag, VR::SS, sign));
         for (tag, vr, value) in [
             (tags::RESCALE_INTERCEPT, VR::DS, "0"),
             (tags::RESCALE_SLOPE, VR::DS, "1"),
@@ -390,7 +378,7 @@ impl DicomFilm<'_> {
             (tags::HIGH_BIT, self.bits_stored - 1),
             (tags::PIXEL_REPRESENTATION, 0),
         ] {
-            number(object, tag, value);
+            object.put(element(tag, VR::US, value));
         }
     }
 

@@ -1,12 +1,12 @@
 //! Films that may not belong to a case, by their files: another part of the body, or another patient.
 
+use dicom_dictionary_std::tags::MODALITY;
 use serde::{Deserialize, Serialize};
 use spineline::warning::WarningCode;
 
 use super::element::Attributes;
 use super::patient::other_body_part;
 use super::read::read_data_set;
-use super::tags::MODALITY;
 use super::{FilmError, FilmFile, FilmRemark, PatientMarks};
 
 /// Patient and part of the body, as a file states them.

@@ -11,10 +11,9 @@ mod stream;
 use std::io::Cursor;
 
 use dicom_core::dictionary::{DataDictionary, DataDictionaryEntry};
-use dicom_core::header::Length;
-use dicom_core::value::{DataSetSequence, PixelFragmentSequence, PrimitiveValue};
-use dicom_core::{DataElement, VR};
-use dicom_dictionary_std::StandardDataDictionary;
+use dicom_core::value::{PixelFragmentSequence, PrimitiveValue};
+use dicom_core::{DataElement, Tag, VR};
+use dicom_dictionary_std::{StandardDataDictionary, tags};
 use dicom_object::mem::InMemElement;
 use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
 use image::{ExtendedColorType, ImageEncoder};
@@ -22,10 +21,10 @@ use spineline::analysis::is_case_id;
 
 use super::codec::foreign;
 use super::container::{self, Container};
-use super::element::{self, Attributes};
+use super::element::{Attributes, code_item, element, parse, sequence};
 use super::error::{Codec, CodecFault, FilmError, Measure};
 use super::scan::PIXEL_DATA;
-use super::tags::{self, STANCES, VIEW_CODES, is_uid};
+use super::tags::{STANCES, VIEW_CODES, is_uid, read as read_tags};
 use super::uid;
 use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, raster};
 use clean::{Clean, clean};
@@ -96,9 +95,6 @@ pub struct Deidentified {
     pub report: DeidReport,
 }
 
-const METHOD: Attribute = Attribute(0x0012, 0x0063);
-const METHOD_CODES: Attribute = Attribute(0x0012, 0x0064);
-
 /// De-identifies a film.
 ///
 /// The transfer syntax is kept, except that deflated files become Explicit VR Little Endian. The values of all pixels
@@ -148,9 +144,9 @@ fn dicom(
     limits: &FilmLimits,
 ) -> Result<Deidentified, FilmError> {
     let Container { syntax, body, .. } = container::open(bytes, limits)?;
-    let data = element::parse(&body, syntax.encoding, limits)?;
+    let data = parse(&body, syntax.encoding, limits)?;
     // Refuses files that are not films; remarks of reading are dropped.
-    let (film, _) = tags::read(&data, syntax.name, &mut Vec::new())?;
+    let (film, _) = read_tags(&data, syntax.name, &mut Vec::new())?;
     let mut clean = clean(&data, &syntax, film.photometric, limits)?;
     let mut report = DeidReport::default();
     report.remarks.extend(match film.burned_in_annotation {
@@ -187,11 +183,11 @@ fn dicom(
 
 /// A whole file: an empty preamble, new file meta information, and the data set.
 fn write(object: InMemDicomObject, transfer_syntax: &str) -> Result<Vec<u8>, FilmError> {
-    let uid_of = |element| object.text(Attribute(0x0008, element)).unwrap_or_default();
+    let uid_of = |tag: Tag| object.text(tag).unwrap_or_default();
     let meta = FileMetaTableBuilder::new()
         .transfer_syntax(transfer_syntax)
-        .media_storage_sop_class_uid(uid_of(0x0016))
-        .media_storage_sop_instance_uid(uid_of(0x0018))
+        .media_storage_sop_class_uid(uid_of(tags::SOP_CLASS_UID))
+        .media_storage_sop_instance_uid(uid_of(tags::SOP_INSTANCE_UID))
         .implementation_class_uid(uid::from_name("implementation"))
         .implementation_version_name("SPINELINE");
     let mut bytes = Vec::new();
@@ -286,14 +282,6 @@ fn pixel_data(clean: Clean, stated: VR) -> InMemElement {
     }
 }
 
-fn element(tag: Attribute, vr: VR, value: impl Into<PrimitiveValue>) -> InMemElement {
-    DataElement::new(tag.into(), vr, value.into())
-}
-
-fn sequence(tag: Attribute, items: Vec<InMemDicomObject>) -> InMemElement {
-    DataElement::new(tag.into(), VR::SQ, DataSetSequence::new(items, Length::UNDEFINED))
-}
-
 fn is_numeric(text: &str) -> bool {
     text.split('\\').all(|part| {
         let part = part.trim();
@@ -312,7 +300,7 @@ fn age(text: &str) -> Option<String> {
 
 /// An item for a known code, with this program's text.
 fn known_code(item: &InMemDicomObject) -> Option<InMemDicomObject> {
-    let code = item.text(Attribute(0x0008, 0x0100))?;
+    let code = item.text(tags::CODE_VALUE)?;
     let views = VIEW_CODES.iter().map(|&(value, meaning, _)| (value, meaning));
     let stances = STANCES.iter().map(|&(value, meaning, _)| (value, meaning));
     let (value, meaning) = views.chain(stances).find(|&(value, _)| value == code)?;
@@ -320,23 +308,15 @@ fn known_code(item: &InMemDicomObject) -> Option<InMemDicomObject> {
     Some(code_item(value, scheme, meaning))
 }
 
-fn code_item(value: &str, scheme: &str, meaning: &str) -> InMemDicomObject {
-    InMemDicomObject::from_element_iter([
-        element(Attribute(0x0008, 0x0100), VR::SH, value),
-        element(Attribute(0x0008, 0x0102), VR::SH, scheme),
-        element(Attribute(0x0008, 0x0104), VR::LO, meaning),
-    ])
-}
-
 fn table(tag: Attribute, [descriptor, values]: [PrimitiveValue; 2]) -> InMemElement {
     let mut item = InMemDicomObject::new_empty();
-    item.put(element(Attribute(0x0028, 0x3002), VR::US, descriptor));
-    if tag.1 == 0x3000 {
+    item.put(element(tags::LUT_DESCRIPTOR, VR::US, descriptor));
+    if tag == tags::MODALITY_LUT_SEQUENCE.into() {
         // Its type is required; "unspecified" is always true.
-        item.put(element(Attribute(0x0028, 0x3004), VR::LO, "US"));
+        item.put(element(tags::MODALITY_LUT_TYPE, VR::LO, "US"));
     }
     let vr = if matches!(values, PrimitiveValue::U8(_)) { VR::OB } else { VR::OW };
-    item.put(element(Attribute(0x0028, 0x3006), vr, values));
+    item.put(element(tags::LUT_DATA, vr, values));
     sequence(tag, vec![item])
 }
 
@@ -348,12 +328,16 @@ fn additions(options: &DeidOptions) -> Vec<InMemElement> {
     }
     let case = options.case_id.as_str();
     vec![
-        element(Attribute(0x0010, 0x0010), VR::PN, case),
-        element(Attribute(0x0010, 0x0020), VR::LO, case),
-        element(Attribute(0x0012, 0x0062), VR::CS, "YES"),
-        element(METHOD, VR::LO, "Spineline: allow-list, PS3.15 Annex E Basic Profile"),
-        sequence(METHOD_CODES, codes),
-        element(Attribute(0x0028, 0x0303), VR::CS, "REMOVED"),
+        element(tags::PATIENT_NAME, VR::PN, case),
+        element(tags::PATIENT_ID, VR::LO, case),
+        element(tags::PATIENT_IDENTITY_REMOVED, VR::CS, "YES"),
+        element(
+            tags::DEIDENTIFICATION_METHOD,
+            VR::LO,
+            "Spineline: allow-list, PS3.15 Annex E Basic Profile",
+        ),
+        sequence(tags::DEIDENTIFICATION_METHOD_CODE_SEQUENCE, codes),
+        element(tags::LONGITUDINAL_TEMPORAL_INFORMATION_MODIFIED, VR::CS, "REMOVED"),
     ]
 }
 
