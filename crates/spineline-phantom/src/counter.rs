@@ -20,10 +20,6 @@ const OFFSET: f64 = 0.06;
 const FIRST_NAMES: [Posture; 4] =
     [Posture::LeftBending, Posture::RightBending, Posture::Neutral, Posture::Traction];
 
-fn prescribed(posture: Posture, shape: ChainShape) -> Moved {
-    Moved::at(posture, shape, 0.0)
-}
-
 /// The rotation of every segment is scaled by one factor per posture.
 pub(crate) fn flatten(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     let vary = usual_variation();
@@ -34,7 +30,7 @@ pub(crate) fn flatten(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12
         let sense = if i == 1 { 1.0 } else { -1.0 };
         let factor = 1.0 + sense * TOTAL_DEG[i] * vary.sample(rng) / all;
         let shape = ChainShape::with_turns(spine, |k| factor * spine.turns_rad[k]);
-        prescribed(FIRST_NAMES[i], shape)
+        Moved::at(FIRST_NAMES[i], shape, 0.0)
     }))
 }
 
@@ -83,6 +79,6 @@ pub(crate) fn random(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12R
         let scale = 1e-3 * target.rad() / unit.rotation_from(erect).rad();
         let shape =
             ChainShape::with_turns(spine, |k| spine.turns_rad[k] + scale * turns[joints[k]]);
-        prescribed(FIRST_NAMES[i], shape)
+        Moved::at(FIRST_NAMES[i], shape, 0.0)
     }))
 }

@@ -109,8 +109,8 @@ pub fn generate_built(
     seed: u64,
     build: Build,
 ) -> Result<Phantom, PhantomError> {
-    let patient = Patient { index, copy: 0, build };
-    let mut phantoms = generate_patient(&patient, scenario, std::slice::from_ref(readers), seed)?;
+    let readers = std::slice::from_ref(readers);
+    let mut phantoms = generate_patient(index, 0, build, scenario, readers, seed)?;
     Ok(phantoms.pop().expect("one per kind of readers"))
 }
 
@@ -125,19 +125,13 @@ pub fn generate_read(
     readers: &[Readers],
     seed: u64,
 ) -> Result<Vec<Phantom>, PhantomError> {
-    generate_patient(&Patient { index, copy, build: Build::default() }, scenario, readers, seed)
-}
-
-/// Selection of a phantom.
-struct Patient {
-    /// Row of Table 1, from 0.
-    index: usize,
-    copy: u32,
-    build: Build,
+    generate_patient(index, copy, Build::default(), scenario, readers, seed)
 }
 
 fn generate_patient(
-    &Patient { index, copy, build }: &Patient,
+    index: usize,
+    copy: u32,
+    build: Build,
     scenario: Scenario,
     readers: &[Readers],
     seed: u64,

@@ -7,7 +7,7 @@ use spineline::anatomy::{Level, Posture, trunk_weight_share};
 use spineline::spatial::{Angle, Frontal};
 
 use crate::erect::ErectSpine;
-use crate::movement::{Moved, force_for};
+use crate::movement::{Moved, force_for, usual_variation};
 use crate::rod::{ChainShape, PointForce, Rod};
 use crate::{Scenario, TruePosture};
 
@@ -23,7 +23,7 @@ pub(crate) fn move_by(
     rng: &mut ChaCha12Rng,
 ) -> Result<Vec<Moved>, Posture> {
     let rod = Rod::new(spine);
-    let vary = Uniform::new(0.9, 1.1).expect("0.9 is below 1.1");
+    let vary = usual_variation();
     let sizes = [
         (Posture::LeftBending, 42.0, -1.0),
         (Posture::RightBending, 36.0, 1.0),

@@ -51,14 +51,16 @@ pub(crate) fn of_chain(
     let erect = ChainShape::with_turns(spine, |k| spine.turns_rad[k]);
     let missing = missing(row, scenario);
     let moved = match scenario {
-        Scenario::Rod => rod(spine, &erect, rng).map_err(&missing)?,
+        // A pull along the inflections that straightens, and a push that bends further.
+        Scenario::Rod | Scenario::TurnedBase => {
+            through(spine, &erect, spine.inflection_s_mm, rng).map_err(&missing)?
+        }
         Scenario::Bend => bend(spine, rng),
         Scenario::Pull => pull(spine, &erect, rng).map_err(&missing)?,
         Scenario::Flatten => counter::flatten(spine, &erect, rng),
         Scenario::Offset => counter::offset(spine, &erect, rng).map_err(&missing)?,
         Scenario::Spread => counter::spread(spine, &erect, rng).map_err(&missing)?,
         Scenario::Random => counter::random(spine, &erect, rng),
-        Scenario::TurnedBase => rod(spine, &erect, rng).map_err(&missing)?,
         _ => loads::move_by(scenario, spine, &erect, rng).map_err(&missing)?,
     };
     let first = Moved::at(Posture::Erect, erect, 0.0);
@@ -75,15 +77,6 @@ pub(crate) fn of_chain(
         ([1.0; 3], vec![0.0; Level::MODEL.len() - 1])
     };
     Ok(Moves { postures: all, length_mm: spine.length_mm, multipliers, joint_logs })
-}
-
-/// A force through the inflections: a pull that straightens, and a push that bends further.
-fn rod(
-    spine: &ErectSpine,
-    erect: &ChainShape,
-    rng: &mut ChaCha12Rng,
-) -> Result<Vec<Moved>, Posture> {
-    through(spine, erect, spine.inflection_s_mm, rng)
 }
 
 /// Prescribed rotations to one side; neutral and traction scale the erect curve.

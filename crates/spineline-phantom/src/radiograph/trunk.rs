@@ -27,7 +27,7 @@ pub(super) fn draw(anatomy: &Anatomy, seed: u64) -> Layer {
 }
 
 /// Rises from zero to one around an edge, towards `inside`.
-fn soft_edge(inside_mm: f32, width_mm: f32) -> f32 {
+pub(super) fn soft_edge(inside_mm: f32, width_mm: f32) -> f32 {
     let t = (0.5 + inside_mm / (2.0 * width_mm)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

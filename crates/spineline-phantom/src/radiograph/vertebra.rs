@@ -5,6 +5,7 @@ use spineline::spatial::Frontal;
 
 use super::anatomy::{Anatomy, Body};
 use super::texture::clutter;
+use super::trunk::soft_edge;
 
 /// Attenuation in addition to soft tissue, per mm.
 const CANCELLOUS_PER_MM: f32 = 0.012;
@@ -125,7 +126,7 @@ impl Vertebra {
         let dip = if self.lumbar { 0.8 } else { 0.4 } * wave * wave;
         let (below_top, above_base) =
             (self.half_height - v - 0.5 * dip, self.half_height + v - dip);
-        let edge = fade(below_top) * fade(above_base);
+        let edge = soft_edge(below_top, EDGE_MM) * soft_edge(above_base, EDGE_MM);
         if edge <= 0.0 {
             return 0.0;
         }
@@ -200,12 +201,6 @@ impl Vertebra {
         let rim = ((1.0 - across) * 3.0).min(1.0) * (out * 7.0).min(1.0);
         strength * rim * (0.7 + 0.5 * across * across) * (1.0 - 0.35 * out)
     }
-}
-
-/// Rises from zero outside to one inside of an edge.
-fn fade(inside_mm: f32) -> f32 {
-    let t = (0.5 + inside_mm / (2.0 * EDGE_MM)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// A rounded bar between two points: one along its middle, slightly more at its rim, zero outside.
