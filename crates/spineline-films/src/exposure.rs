@@ -117,7 +117,8 @@ fn seconds(text: &str) -> Option<f64> {
     Some(f64::from(3600 * hours + 60 * minutes) + seconds)
 }
 
-fn hash(text: &str) -> u64 {
+/// A hash of a text, which stays in the program; equal texts have equal hashes.
+pub(super) fn hash(text: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     text.hash(&mut hasher);
     hasher.finish()

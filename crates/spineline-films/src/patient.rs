@@ -1,7 +1,5 @@
 //! Patient and part of the body by the file, to notice a film of another patient or part.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
-
 use dicom_core::Tag;
 use dicom_dictionary_std::tags;
 use dicom_object::InMemDicomObject;
@@ -9,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::FilmRemark;
 use super::element::Attributes;
+use super::exposure::hash;
 
 /// Values of Body Part Examined in DICOM PS3.16, annex L, that exclude a spine from L4 to T2.
 const OTHER_PARTS: [&str; 41] = [
@@ -100,9 +99,7 @@ impl PatientMarks {
 }
 
 fn mark(text: &str) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    text.to_ascii_uppercase().hash(&mut hasher);
-    hasher.finish()
+    hash(&text.to_ascii_uppercase())
 }
 
 /// A remark where the file states another part of the body than the spine, by Body Part Examined or as a mammogram.

@@ -8,7 +8,8 @@ pub(super) fn from_name(name: &str) -> String {
 }
 
 /// A UID below `2.25.`, from a UUID of version 8 that is made of the hash of bytes (DICOM PS3.5 B.2, RFC 9562).
-pub(super) fn from_bytes(bytes: &[u8]) -> String {
+#[must_use]
+pub fn from_bytes(bytes: &[u8]) -> String {
     let digest = Sha256::digest(bytes);
     let mut first = [0; 16];
     first.copy_from_slice(&digest[..16]);

@@ -3,12 +3,11 @@ use std::collections::BTreeMap;
 use dicom_core::VR;
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
-use sha2::{Digest, Sha256};
 use spineline::anatomy::Level;
 use spineline::clinical::convex_side;
 use spineline::measure::{CornerName, Corners, EndplateTilts, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline_films::is_uid;
+use spineline_films::{is_uid, uid_of_bytes};
 
 use super::ReportOf;
 use super::codes::{self, Code};
@@ -50,17 +49,8 @@ pub fn write_sr(report: &ReportOf<'_>) -> Result<Vec<u8>, LandmarkExportError> {
 
 /// An identifier below the arc of UUIDs (2.25), from the identified parts.
 fn uid(parts: &[&[u8]]) -> String {
-    let mut hash = Sha256::new();
-    for part in parts {
-        hash.update((part.len() as u64).to_le_bytes());
-        hash.update(part);
-    }
-    let mut bytes = [0; 16];
-    bytes.copy_from_slice(&hash.finalize()[..16]);
-    // A UUID of version 8 may be made from a hash (RFC 9562).
-    bytes[6] = (bytes[6] & 0x0f) | 0x80;
-    bytes[8] = (bytes[8] & 0x3f) | 0x80;
-    format!("2.25.{}", u128::from_be_bytes(bytes))
+    let with_length = |part: &&[u8]| [&(part.len() as u64).to_le_bytes()[..], *part].concat();
+    uid_of_bytes(&parts.iter().flat_map(with_length).collect::<Vec<u8>>())
 }
 
 fn check(report: &ReportOf<'_>) -> Result<(), LandmarkExportError> {
