@@ -68,7 +68,5 @@ pub use spacing_question::spacing_question;
 pub use tags::is_uid;
 pub use uid::from_bytes as uid_of_bytes;
 pub use view_doubts::{shape_contradiction, side_contradiction, view_contradictions};
-pub use write::{
-    DicomFilm, Encoding, FilmPolarity, View, WriteFilmError, pixels_sha256, write_dicom,
-};
+pub use write::{DicomFilm, Encoding, FilmPolarity, WriteFilmError, pixels_sha256, write_dicom};
 pub use wrong_film::{FilmDoubt, Stated, film_doubts};

@@ -49,15 +49,6 @@ impl Encoding {
     }
 }
 
-/// Direction of the beam.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum View {
-    /// From the front to the back.
-    Anteroposterior,
-    /// From the back to the front.
-    Posteroanterior,
-}
-
 /// The film of a phantom.
 #[derive(Debug, Clone, Copy)]
 pub struct DicomFilm<'a> {
@@ -67,10 +58,8 @@ pub struct DicomFilm<'a> {
     pub subject: &'a Subject,
     /// The posture.
     pub posture: Posture,
-    /// Direction of the beam.
-    pub view: View,
-    /// Orientation and spacing of the picture. Where its spacing is the patient's, the detector's is larger
-    /// by `magnification`.
+    /// Sides and spacing of the picture, which shows the patient from behind where the left is on the left. Where its
+    /// spacing is the patient's, the detector's is larger by `magnification`.
     pub image: ImageGeometry,
     /// Magnification on the detector: 1 or more.
     pub magnification: f64,
@@ -285,9 +274,10 @@ impl DicomFilm<'_> {
         text(object, tags::BODY_PART_EXAMINED, VR::CS, "SPINE");
         code(object, tags::ANATOMIC_REGION_SEQUENCE, "421060004", "Spine");
         text(object, tags::IMAGE_LATERALITY, VR::CS, "U");
-        let (word, view, meaning) = match self.view {
-            View::Anteroposterior => ("AP", "399348003", "antero-posterior"),
-            View::Posteroanterior => ("PA", "272479007", "postero-anterior"),
+        // From behind, the patient's left is on the left. Directions of increasing columns and rows follow.
+        let ((word, view, meaning), directions) = match self.image.patient_left {
+            ImageSide::Left => (("PA", "272479007", "postero-anterior"), "R\\F"),
+            ImageSide::Right => (("AP", "399348003", "antero-posterior"), "L\\F"),
         };
         text(object, tags::VIEW_POSITION, VR::CS, word);
         code(object, tags::VIEW_CODE_SEQUENCE, view, meaning);
@@ -296,12 +286,7 @@ impl DicomFilm<'_> {
             _ => ("102538003", "recumbent"),
         };
         code(object, tags::PATIENT_ORIENTATION_CODE_SEQUENCE, position, meaning);
-        // Directions of increasing columns and rows.
-        let rows_grow = match self.image.patient_left {
-            ImageSide::Left => "R\\F",
-            ImageSide::Right => "L\\F",
-        };
-        text(object, tags::PATIENT_ORIENTATION, VR::CS, rows_grow);
+        text(object, tags::PATIENT_ORIENTATION, VR::CS, directions);
         empty(object, tags::DETECTOR_TYPE, VR::CS);
         object.put(sequence(tags::ACQUISITION_CONTEXT_SEQUENCE, Vec::new()));
         self.put_spacing(object);

@@ -9,7 +9,7 @@ use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request,
     RotationPriorFile, StiffnessFile, to_text,
 };
-use spineline_films::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
+use spineline_films::{DicomFilm, Encoding, FilmPolarity, write_dicom};
 use spineline_landmarks::{LandmarkTarget, ReportOf, SourceImage, export_landmarks, write_sr};
 use spineline_phantom::{Readers, Scenario, SpaceSetup, generate, generate_in_space};
 
@@ -121,7 +121,6 @@ fn film(case: &Case, encoding: Encoding) -> Result<Vec<u8>, Box<dyn std::error::
         case_id: "seed",
         subject: &case.subject,
         posture: Posture::Erect,
-        view: View::Posteroanterior,
         image,
         magnification: 1.1,
         polarity: FilmPolarity::Monochrome1,

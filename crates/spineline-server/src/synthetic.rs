@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use spineline::anatomy::{ImageSide, Posture};
+use spineline::anatomy::Posture;
 use spineline_files::{CaseFile, FilmSource, sha256_hex};
 use spineline_films::{
-    DicomFilm, Encoding, FilmPolarity, View, WriteFilmError, pixels_sha256, write_dicom,
+    DicomFilm, Encoding, FilmPolarity, WriteFilmError, pixels_sha256, write_dicom,
 };
 use spineline_phantom::{Phantom, Polarity, Radiograph, TrueFilm};
 
@@ -36,16 +36,10 @@ pub fn draw_film(
         Polarity::Monochrome1 => (FilmPolarity::Monochrome1, "MONOCHROME1"),
         Polarity::Monochrome2 => (FilmPolarity::Monochrome2, "MONOCHROME2"),
     };
-    // From behind, the patient's left is on the left of the picture.
-    let view = match radiograph.image.patient_left {
-        ImageSide::Left => View::Posteroanterior,
-        ImageSide::Right => View::Anteroposterior,
-    };
     let bytes = write_dicom(&DicomFilm {
         case_id: &phantom.case.id,
         subject: &phantom.case.subject,
         posture: film.posture,
-        view,
         image: radiograph.image,
         magnification: MAGNIFICATION,
         polarity,

@@ -7,7 +7,7 @@ use spineline::analysis::{Sex, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
 use spineline_films::{
-    DicomFilm, Encoding, FilmPolarity, View, WriteFilmError, pixels_sha256, write_dicom,
+    DicomFilm, Encoding, FilmPolarity, WriteFilmError, pixels_sha256, write_dicom,
 };
 
 const COLUMNS: u32 = 301;
@@ -34,7 +34,6 @@ fn film<'a>(subject: &'a Subject, pixels: &'a [u16]) -> DicomFilm<'a> {
         case_id: "phantom-rod-01",
         subject,
         posture: Posture::LeftBending,
-        view: View::Posteroanterior,
         image: ImageGeometry {
             columns: COLUMNS,
             rows: ROWS,
@@ -115,7 +114,6 @@ fn sides_polarity_and_position_are_written() {
     };
     assert_eq!(position(&object), "102538003");
     film.image.patient_left = ImageSide::Right;
-    film.view = View::Anteroposterior;
     film.polarity = FilmPolarity::Monochrome1;
     film.posture = Posture::Erect;
     let object = read(&film);

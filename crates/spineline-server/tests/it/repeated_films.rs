@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use spineline::analysis::Subject;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
-use spineline_films::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
+use spineline_films::{DicomFilm, Encoding, FilmPolarity, write_dicom};
 
 use crate::browser::Browser;
 use crate::films::{app, upload};
@@ -29,7 +29,6 @@ pub fn film_of_size(
         case_id: "small",
         subject: &Subject::default(),
         posture,
-        view: View::Posteroanterior,
         image: ImageGeometry { columns, rows, spacing, patient_left: ImageSide::Left },
         magnification: 1.1,
         polarity: FilmPolarity::Monochrome2,
