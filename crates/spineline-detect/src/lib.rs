@@ -30,7 +30,7 @@ mod picture;
 mod reference;
 mod weights;
 
-use spineline::anatomy::{ImageSide, Level};
+use spineline::anatomy::Level;
 use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::Pixel;
 
@@ -222,16 +222,8 @@ pub fn bodies_at(picture: &Picture<'_>, centres: &[Pixel]) -> Vec<SeenBody> {
     let bodies = patches::corners(&fine, &centres).into_iter();
     bodies
         .map(|body| SeenBody {
-            corners: patients(body.corners.map(pixel), picture.patient_left),
+            corners: Corners::from_image_sides(body.corners.map(pixel), picture.patient_left),
             sd_share: body.sd / body.height(),
         })
         .collect()
-}
-
-/// Corners as seen (upper left, upper right, lower left, lower right) by the patient's sides.
-fn patients([ul, ur, ll, lr]: [Pixel; 4], patient_left: ImageSide) -> Corners<Pixel> {
-    Corners::from(match patient_left {
-        ImageSide::Left => [ul, ur, ll, lr],
-        ImageSide::Right => [ur, ul, lr, ll],
-    })
 }

@@ -3,6 +3,7 @@
 
 use serde_json::Value;
 use spineline::anatomy::ImageSide;
+use spineline::measure::Corners;
 
 use crate::Picture;
 use crate::chain::chain_of;
@@ -185,8 +186,8 @@ fn a_film_of_oblong_pixels_has_the_grid_of_square_ones() {
 #[test]
 fn sides_are_the_patients() {
     let seen = [1.0, 2.0, 3.0, 4.0].map(|x| spineline::spatial::Pixel::new(x, 0.0));
-    let left = crate::patients(seen, ImageSide::Left);
-    let right = crate::patients(seen, ImageSide::Right);
+    let left = Corners::from_image_sides(seen, ImageSide::Left);
+    let right = Corners::from_image_sides(seen, ImageSide::Right);
     assert_eq!(left.superior_left, seen[0]);
     assert_eq!(right.superior_left, seen[1]);
     assert_eq!(right.inferior_right, seen[2]);

@@ -423,17 +423,6 @@ pub(super) fn pixel(column: f64, row: f64, at: &str) -> Result<Pixel, LandmarkEr
     Ok(Pixel::new(coordinate(column, at)?, coordinate(row, at)?))
 }
 
-/// Four corners of a quadrilateral by sides of the picture, as corners of the patient.
-pub(super) fn from_image_sides(
-    [upper_left, upper_right, lower_left, lower_right]: [Pixel; 4],
-    patient_left: ImageSide,
-) -> Corners<Pixel> {
-    Corners::from(match patient_left {
-        ImageSide::Left => [upper_left, upper_right, lower_left, lower_right],
-        ImageSide::Right => [upper_right, upper_left, lower_right, lower_left],
-    })
-}
-
 /// The crests of a film, once.
 pub(super) fn merge_crests(
     all: &mut Option<IliacCrests>,

@@ -22,11 +22,11 @@ pub use verdict::{AasceFault, AasceVerdict, judge_aasce};
 use std::collections::BTreeMap;
 
 use spineline::anatomy::{ImageSide, Level};
-use spineline::measure::{Reading, VertebraLandmarks};
+use spineline::measure::{Corners, Reading, VertebraLandmarks};
 use spineline::spatial::Pixel;
 
 use super::error::GIVE_SIDE;
-use super::film::{from_image_sides, pixel};
+use super::film::pixel;
 use super::{LandmarkError, LandmarkHint, LandmarkReadings, MarkedFilm};
 
 /// Corners of a vertebra in their order.
@@ -61,7 +61,7 @@ fn film_of(
             let found = pixel(column, row, &format!("{at}, {level}"));
             *place = found.map_err(|error| error.of(None, Some(level)))?;
         }
-        let corners = from_image_sides(places, patient_left);
+        let corners = Corners::from_image_sides(places, patient_left);
         vertebrae.insert(level, VertebraLandmarks::clicked(corners));
     }
     if vertebrae.is_empty() {

@@ -2,13 +2,13 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use spineline::anatomy::ImageSide;
-use spineline::measure::{CornerName, Origin, Reading};
+use spineline::measure::{CornerName, Corners, Origin, Reading};
 use spineline::number::fixed;
 use spineline::spatial::{Angle, Pixel};
 
 use super::FLAG;
 use crate::error::{CORRECT, GIVE_SIDE};
-use crate::film::{HALF_PIXEL, Points, from_image_sides, origin, pixel};
+use crate::film::{HALF_PIXEL, Points, origin, pixel};
 use crate::identity::Identity;
 use crate::json::parse_foreign;
 use crate::names::{PointName, parse_level, shown};
@@ -183,7 +183,8 @@ fn corners_of(
     let ordered = |a: Pixel, b: Pixel| if a.column_px < b.column_px { [a, b] } else { [b, a] };
     let [upper_left, upper_right] = ordered(turned(0), turned(1));
     let [lower_left, lower_right] = ordered(turned(2), turned(3));
-    Ok(from_image_sides([upper_left, upper_right, lower_left, lower_right], patient_left).points())
+    let places = [upper_left, upper_right, lower_left, lower_right];
+    Ok(Corners::from_image_sides(places, patient_left).points())
 }
 
 /// Whether two sides cross: then the outline turns twice to the left and twice to the right.

@@ -1,4 +1,4 @@
-use crate::anatomy::named;
+use crate::anatomy::{ImageSide, named};
 use crate::spatial::{Angle, Frontal};
 
 /// The four corners of a vertebral body, named by the **patient's** sides; on a lateral film the anterior corners stand for the left
@@ -254,6 +254,16 @@ pub(super) fn normal_tilt(to_left: Frontal) -> Angle {
 }
 
 impl<P: Copy> Corners<P> {
+    /// The corners of a body that is named by the sides of the picture: upper left and right, lower left and right.
+    #[must_use]
+    pub fn from_image_sides(places: [P; 4], patient_left: ImageSide) -> Self {
+        let [upper_left, upper_right, lower_left, lower_right] = places;
+        Self::from(match patient_left {
+            ImageSide::Left => places,
+            ImageSide::Right => [upper_right, upper_left, lower_right, lower_left],
+        })
+    }
+
     /// The corners in reading order: superior left and right, inferior left and right.
     #[must_use]
     pub fn points(&self) -> [P; 4] {
