@@ -62,13 +62,7 @@ impl PartialLandmarks {
     /// All four corners, once they are placed.
     #[must_use]
     pub fn complete(&self) -> Option<Corners<Pixel>> {
-        let Corners { superior_left, superior_right, inferior_left, inferior_right } = self.corners;
-        Some(Corners {
-            superior_left: superior_left?,
-            superior_right: superior_right?,
-            inferior_left: inferior_left?,
-            inferior_right: inferior_right?,
-        })
+        self.corners.complete()
     }
 
     /// Whether one of its corners is placed.
@@ -235,8 +229,8 @@ fn fault_of(
         return Some(MarkingFault::OffPicture { level, place });
     }
     let corners = landmark.corners.map(|corner| corner.map(|place| image.frontal(place)));
-    let fault = match landmark.complete() {
-        Some(_) => four_corners(corners.map(|corner| corner.unwrap_or_default()), cranial)?,
+    let fault = match corners.complete() {
+        Some(corners) => four_corners(corners, cranial)?,
         None => Fault::Corners(three_corners(&corners, cranial)?),
     };
     Some(match fault {

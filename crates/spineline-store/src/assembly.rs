@@ -115,13 +115,7 @@ pub(crate) fn reader(reading: &ReadingRecord) -> Reader {
 
 /// The corners of a vertebra in a view, if all four are placed.
 fn placed(landmarks: &VertebraReading, view: FilmView) -> Option<Corners<Pixel>> {
-    let corners = landmarks.placed(view).map(|corner| corner.map(Pixel::from));
-    Some(Corners {
-        superior_left: corners.superior_left?,
-        superior_right: corners.superior_right?,
-        inferior_left: corners.inferior_left?,
-        inferior_right: corners.inferior_right?,
-    })
+    landmarks.placed(view).map(|corner| corner.map(Pixel::from)).complete()
 }
 
 /// The landmarks of a vertebra on a frontal film, if all four corners are placed.

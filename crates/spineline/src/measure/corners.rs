@@ -253,6 +253,15 @@ pub(super) fn normal_tilt(to_left: Frontal) -> Angle {
     Frontal::new(-to_left.z_mm, to_left.y_mm).lateral_tilt()
 }
 
+impl<P: Copy> Corners<Option<P>> {
+    /// All four corners, if all are placed.
+    #[must_use]
+    pub fn complete(&self) -> Option<Corners<P>> {
+        let [superior_left, superior_right, inferior_left, inferior_right] = self.points();
+        Some([superior_left?, superior_right?, inferior_left?, inferior_right?].into())
+    }
+}
+
 impl<P: Copy> Corners<P> {
     /// The corners of a body that is named by the sides of the picture: upper left and right, lower left and right.
     #[must_use]
