@@ -229,29 +229,26 @@ fn fault_of(
         return Some(MarkingFault::OffPicture { level, place });
     }
     let corners = landmark.corners.map(|corner| corner.map(|place| image.frontal(place)));
-    let fault = match corners.complete() {
-        Some(corners) => four_corners(corners, cranial)?,
-        None => Fault::Corners(three_corners(&corners, cranial)?),
-    };
-    Some(match fault {
-        Fault::Corners(fault) => MarkingFault::Corners { level, fault },
-        Fault::NotConvex => MarkingFault::NotConvex { level },
-    })
-}
-
-enum Fault {
-    Corners(CornerFault),
-    NotConvex,
-}
-
-fn four_corners(corners: Corners<Frontal>, cranial: Frontal) -> Option<Fault> {
-    match corners.measure_location() {
-        Err(CornerFault::Crossed) if is_concave(&corners) => Some(Fault::NotConvex),
-        Err(fault) => Some(Fault::Corners(fault)),
-        Ok(_) if !corners.points_along(cranial) => Some(Fault::Corners(CornerFault::UpsideDown)),
-        Ok(_) if !corners.sides_agree() => Some(Fault::Corners(CornerFault::SidesExchanged)),
-        Ok(_) => None,
+    match corners.complete() {
+        Some(corners) => four_corners(level, corners, cranial),
+        None => {
+            let fault = three_corners(&corners, cranial)?;
+            Some(MarkingFault::Corners { level, fault })
+        }
     }
+}
+
+fn four_corners(level: Level, corners: Corners<Frontal>, cranial: Frontal) -> Option<MarkingFault> {
+    let fault = match corners.measure_location() {
+        Err(CornerFault::Crossed) if is_concave(&corners) => {
+            return Some(MarkingFault::NotConvex { level });
+        }
+        Err(fault) => fault,
+        Ok(_) if !corners.points_along(cranial) => CornerFault::UpsideDown,
+        Ok(_) if !corners.sides_agree() => CornerFault::SidesExchanged,
+        Ok(_) => return None,
+    };
+    Some(MarkingFault::Corners { level, fault })
 }
 
 /// A body turns in one direction at every corner; a corner within the others turns in the opposite direction.
