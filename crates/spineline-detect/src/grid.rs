@@ -5,7 +5,7 @@ use spineline::spatial::Pixel;
 use crate::picture::Picture;
 
 /// Size of the first network's input: columns, rows.
-pub const COARSE: [usize; 2] = [192, 384];
+const COARSE: [usize; 2] = [192, 384];
 
 /// Grey values on square cells, row by row.
 #[derive(Debug, Clone)]

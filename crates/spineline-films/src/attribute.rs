@@ -16,8 +16,7 @@ pub struct Attribute(
 
 impl Attribute {
     /// Whether the group is odd: the meaning is the vendor's.
-    #[must_use]
-    pub const fn is_private(self) -> bool {
+    const fn is_private(self) -> bool {
         self.0 % 2 == 1
     }
 }

@@ -98,14 +98,12 @@ impl FilmFile {
     }
 
     /// The default display: the first table or window of the file, or the full range of values without padding.
-    #[must_use]
-    pub fn default_voi(&self) -> Voi {
+    fn default_voi(&self) -> Voi {
         self.look.voi.first().cloned().unwrap_or_else(|| Voi::Window(self.whole_range()))
     }
 
     /// The window from the smallest to the largest value of the picture, padding apart.
-    #[must_use]
-    pub fn whole_range(&self) -> Window {
+    fn whole_range(&self) -> Window {
         let is_padding =
             |value: i32| self.look.padding.is_some_and(|[low, high]| (low..=high).contains(&value));
         let (mut low, mut high) = self.stored.range();

@@ -174,7 +174,7 @@ fn swap(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Samples of colour, pixel by pixel.
-pub(super) fn by_pixel(bytes: &[u8], pixels: usize, planar: bool) -> Vec<[u8; 3]> {
+fn by_pixel(bytes: &[u8], pixels: usize, planar: bool) -> Vec<[u8; 3]> {
     if planar {
         (0..pixels).map(|i| [bytes[i], bytes[pixels + i], bytes[2 * pixels + i]]).collect()
     } else {

@@ -20,7 +20,7 @@ use super::{ExposureMarks, FilmRemark, FilmTags, FilmUids, Photometric, Presenta
 const RADIOGRAPHS: [&str; 10] = ["CR", "DX", "RG", "RF", "XA", "MG", "OT", "SC", "HC", "XC"];
 
 /// Other modalities of DICOM PS3.3, C.7.3.1.1.1, that an error may name.
-pub(super) const OTHER_MODALITIES: [&str; 29] = [
+const OTHER_MODALITIES: [&str; 29] = [
     "CT", "MR", "NM", "PT", "US", "ES", "SM", "SR", "PR", "KO", "SEG", "REG", "DOC", "ECG", "IO",
     "IVUS", "OCT", "OP", "PX", "BMD", "BDUS", "RTIMAGE", "RTDOSE", "RTPLAN", "RTSTRUCT",
     "RTRECORD", "AU", "HD", "GM",

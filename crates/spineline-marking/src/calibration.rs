@@ -15,8 +15,7 @@ spineline::named! {
 impl Calibrator {
     /// Smallest and largest true length: balls beside a patient have these sizes, and a ruler is at most as long as the
     /// longest films (assumption).
-    #[must_use]
-    pub const fn lengths_mm(self) -> [f64; 2] {
+    const fn lengths_mm(self) -> [f64; 2] {
         match self {
             Self::Ball => [1.0, 200.0],
             Self::Ruler => [1.0, 2000.0],
