@@ -23,7 +23,7 @@ const kept = new Map<string, FilmPicture>();
 /** With its smaller sizes, a third more. */
 const bytesOf = ({ columns, rows }: FilmPicture): number => (8 / 3) * columns * rows;
 
-export interface FilmProgress {
+interface FilmProgress {
   /** The picture has another size to draw. */
   grown: () => void;
   /** Part of the picture that has arrived, from 0 to 1. */

@@ -34,7 +34,7 @@ export function secondsSaved(found: readonly Proposal[]): number {
 }
 
 /** What is said of the found vertebrae, in two parts: short, and the rest of the sentence. */
-export interface Offer {
+interface Offer {
   /** Whether two clicks on every vertebra are faster. */
   isSlow: boolean;
   words: readonly [string, string];

@@ -85,7 +85,7 @@ export function keepingOf(reading: Api<"ReadingView">, tabName: string): Reading
 }
 
 /** Unsaved events of other windows. */
-export interface LeftBehind {
+interface LeftBehind {
   events: Event[];
   /** Time of the newest event. */
   since_ms: number;

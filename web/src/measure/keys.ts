@@ -8,7 +8,7 @@ import type { Viewer } from "./viewer.svelte";
 import type { CssPoint, FilmPoint } from "./viewport";
 
 /** Actions of keys outside of the film. */
-export interface KeyTargets {
+interface KeyTargets {
   viewer: Viewer;
   marking: Marking | null;
   /** The length or the angle that is being drawn. */

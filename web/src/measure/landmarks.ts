@@ -4,7 +4,7 @@ import type { Way } from "./proposals";
 import { filmPoint, type FilmPoint } from "./viewport";
 
 export type Corner = Api<"CornerName">;
-export type PatientSide = Api<"SideName">;
+type PatientSide = Api<"SideName">;
 export type Event = Api<"Event">;
 export type ReadingView = Api<"ReadingView">;
 export type VertebraView = Api<"VertebraView">;

@@ -34,7 +34,7 @@ export interface Keeping {
   lose(events: readonly Event[]): void;
 }
 
-export interface OutboxOptions {
+interface OutboxOptions {
   /** Revision of the loaded reading. */
   revision: number;
   /** Records events; the answer is the new reading with its results. */

@@ -121,9 +121,7 @@ export function dragged(
 }
 
 /** Vertebrae in the picture, and how sure their levels are. */
-export type Detected = Readonly<
-  Omit<Api<"DetectionView">, "refused"> & { trouble: Trouble | null }
->;
+type Detected = Readonly<Omit<Api<"DetectionView">, "refused"> & { trouble: Trouble | null }>;
 
 export const UNSEEN: Detected = {
   proposals: [],

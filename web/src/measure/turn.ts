@@ -1,5 +1,5 @@
 /** Number of clockwise quarter turns. */
-export type Quarters = 0 | 1 | 2 | 3;
+type Quarters = 0 | 1 | 2 | 3;
 
 /** How a film is turned on the screen, for display only: first mirrored left to right, then turned. */
 export interface Turn {

@@ -119,7 +119,7 @@ export interface Key {
 }
 
 /** A key with its modifiers, such as `Ctrl z`. */
-export type Stroke = (typeof KEYS)[number]["strokes"][number];
+type Stroke = (typeof KEYS)[number]["strokes"][number];
 /** What keys do on a page; `false`: the browser's own action follows. */
 export type Actions = Partial<Record<Stroke, () => unknown>>;
 

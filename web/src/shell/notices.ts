@@ -5,7 +5,7 @@ type Notice = Api<"Notice">;
 type LineKindName = Api<"LineKindName">;
 
 /** Notices of one line of action, or of none. */
-export interface LineNotices {
+interface LineNotices {
   line: LineKindName | null;
   notices: Notice[];
 }

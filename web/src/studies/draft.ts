@@ -1,7 +1,7 @@
 import type { Api } from "../api/types";
 import { filmViews, imageSideWord, viewWord } from "../shell/words";
 
-export type ScaleKind = Api<"ScaleChoice">["kind"];
+type ScaleKind = Api<"ScaleChoice">["kind"];
 
 /** A scale that a person enters; null means open. */
 export interface StatedSpacing {

@@ -11,7 +11,7 @@ export interface Wanted {
 }
 
 /** Where a text is drawn: its end and its base line. */
-export interface Placed {
+interface Placed {
   x: number;
   y: number;
   anchor: "start" | "end";

@@ -50,7 +50,7 @@ export interface Picture {
 }
 
 /** Events of the stage. */
-export interface StageListener {
+interface StageListener {
   picked(target: { joint: number } | { level: number }): void;
   /** After every picture. */
   drawn(look: Look): void;
