@@ -17,7 +17,8 @@ use super::scan::PIXEL_DATA;
 use super::{ExposureMarks, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape};
 
 /// Modalities whose pictures can be radiographs: devices, scanned films, and captures of either.
-const RADIOGRAPHS: [&str; 10] = ["CR", "DX", "RG", "RF", "XA", "MG", "OT", "SC", "HC", "XC"];
+pub(super) const RADIOGRAPHS: [&str; 10] =
+    ["CR", "DX", "RG", "RF", "XA", "MG", "OT", "SC", "HC", "XC"];
 
 /// Other modalities of DICOM PS3.3, C.7.3.1.1.1, that an error may name.
 const OTHER_MODALITIES: [&str; 29] = [

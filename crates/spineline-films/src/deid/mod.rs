@@ -28,7 +28,7 @@ use super::tags::{STANCES, VIEW_CODES, is_uid, read as read_tags};
 use super::uid;
 use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, raster};
 use clean::{Clean, clean};
-use policy::{Rule, TERMS, rule};
+use policy::{Rule, is_term, rule};
 
 /// Options of de-identification.
 #[derive(Clone)]
@@ -222,7 +222,7 @@ fn keep(
             .filter(|text| is_uid(text) && text.starts_with("1.2.840.10008."))
             .map(|text| as_text(VR::UI, &text)),
         Rule::Terms => text()
-            .filter(|text| text.split('\\').all(|term| TERMS.contains(&term.trim())))
+            .filter(|text| text.split('\\').all(|term| is_term(term.trim())))
             // Rescale Type is a long string in the standard.
             .map(|text| as_text(if vr == VR::LO { VR::LO } else { VR::CS }, &text)),
         Rule::Direction => text()

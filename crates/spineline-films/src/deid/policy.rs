@@ -5,13 +5,14 @@
 //! DICOM PS3.15, annex E, table E.1-1. The codes are X (removed), Z (emptied), D (replaced), U (UID replaced), K (kept).
 
 use crate::Attribute;
+use crate::tags::RADIOGRAPHS;
 
 /// Action on one attribute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rule {
     /// Kept if it is made of numbers only.
     Number,
-    /// Kept if all its values are words of [`TERMS`].
+    /// Kept if all its values are words of [`is_term`].
     Terms,
     /// Kept if it is a UID of the standard itself.
     StandardUid,
@@ -147,8 +148,12 @@ const NUMBER_ATTRIBUTES: [(u16, u16); 57] = [
     (0x0028, 0x9002), // Data Point Columns
 ];
 
-/// Words that the attributes above may hold. Other words are not needed for measuring, and may be names.
-pub(super) const TERMS: &[&str] = &[
+/// Whether the attributes above may hold a word. Other words are not needed for measuring, and may be names.
+pub(super) fn is_term(word: &str) -> bool {
+    RADIOGRAPHS.contains(&word) || TERMS.contains(&word)
+}
+
+const TERMS: &[&str] = &[
     // Image type, conversion, intent, intensity.
     "ORIGINAL",
     "DERIVED",
@@ -177,17 +182,6 @@ pub(super) const TERMS: &[&str] = &[
     "OD",
     "HU",
     "US",
-    // Modalities of films.
-    "CR",
-    "DX",
-    "RG",
-    "RF",
-    "XA",
-    "MG",
-    "OT",
-    "SC",
-    "HC",
-    "XC",
     // Parts of the body.
     "SPINE",
     "WHOLESPINE",
