@@ -139,7 +139,7 @@ impl Analysis {
             posture.key()
         );
         let help = "give the spacing of the film in the case";
-        Err(Fault::new(text, help).on_film(Some(posture)))
+        Err(Fault::new(text, help).on_film(Some(posture.into())))
     }
 
     /// Points of a film in its mm.

@@ -141,7 +141,7 @@ fn dicom_sources(
         let source = given.get(&posture).ok_or_else(|| {
             let text = format!("{posture} film: its DICOM file is missing");
             let help = format!("give its path, as in `dicom={{\"{key}\": \"{key}.dcm\"}}`");
-            Fault::new(text, help).on_film(Some(posture))
+            Fault::new(text, help).on_film(Some(posture.into()))
         })?;
         let stated = case.file.source(posture).unwrap_or_default();
         let read = match source {
@@ -150,7 +150,7 @@ fn dicom_sources(
             }
             Source::Path(path) => read_film_source(posture, &stated, path),
         };
-        let read = read.map_err(|error| Fault::of(&error).on_film(Some(posture)))?;
+        let read = read.map_err(|error| Fault::of(&error).on_film(Some(posture.into())))?;
         sources.insert(posture, read);
     }
     Ok(sources)

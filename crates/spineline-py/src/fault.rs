@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spineline::anatomy::{FilmView, Posture};
+use spineline::anatomy::FilmView;
 use spineline::error::Error;
 use spineline::fault::{ErrorPlace, Remedy};
 use spineline_files::FileError;
@@ -50,7 +50,7 @@ impl Fault {
     }
 
     /// The same, of a film, where none is known.
-    pub fn on_view(mut self, view: Option<FilmView>) -> Self {
+    pub fn on_film(mut self, view: Option<FilmView>) -> Self {
         self.0.place.film = self.0.place.film.or(view);
         self
     }
@@ -73,12 +73,6 @@ impl Fault {
     /// The vertebra.
     pub fn level(&self) -> Option<String> {
         self.0.place.level.map(|level| level.to_string())
-    }
-
-    /// The same, of a film.
-    pub fn on_film(mut self, posture: Option<Posture>) -> Self {
-        self.0.place.film = posture.map(FilmView::from);
-        self
     }
 }
 

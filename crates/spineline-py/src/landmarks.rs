@@ -107,7 +107,7 @@ pub fn films_of_landmarks(
         view => frontal(&source, view.and_then(FilmView::posture), &given),
     };
     let view = given.view().ok().flatten();
-    let (mut films, remarks) = read().map_err(|fault| source.in_fault(fault.on_view(view)))?;
+    let (mut films, remarks) = read().map_err(|fault| source.in_fault(fault.on_film(view)))?;
     let sha256 = source.bytes().ok().map(|bytes| sha256_hex(&bytes));
     for film in &mut films {
         film.origin.made_from.extend(sha256.clone());
