@@ -10,7 +10,7 @@ use super::error::{FilmError, UnsupportedPhotometric};
 use super::{ExposureMarks, FilmKind, FilmRemark, Look, PatientMarks};
 
 /// Which values are bright: Photometric Interpretation (0028,0004).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Photometric {
     /// Small values are bright.
     Monochrome1,
@@ -19,6 +19,7 @@ pub enum Photometric {
     /// The picture was in colour; its luminance is here.
     Colour,
     /// Not stated; large values are taken as bright.
+    #[default]
     NotStated,
 }
 
@@ -74,7 +75,7 @@ pub struct FilmUids {
 }
 
 /// Values of a film's attributes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct FilmTags {
     /// Modality (0008,0060); one of the radiographic ones, or `None`.
     pub modality: Option<String>,

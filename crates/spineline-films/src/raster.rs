@@ -6,14 +6,14 @@ use std::io::{Cursor, ErrorKind};
 
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
-use spineline_marking::{SpacingEvidence, ViewEvidence};
+use spineline_marking::SpacingEvidence;
 
 use super::codec::{END, check_end, foreign};
 use super::error::{Codec, CodecFault, FilmError, Measure, UnsupportedPhotometric};
 use super::pixels::luminance;
 use super::resolution;
 use super::{
-    FilmFile, FilmKind, FilmLimits, FilmRemark, FilmTags, FilmUids, Look, Photometric, StoredPixels,
+    FilmFile, FilmKind, FilmLimits, FilmRemark, FilmTags, Look, Photometric, StoredPixels,
 };
 
 pub(super) fn read(
@@ -49,21 +49,13 @@ pub(super) fn read(
     }
     let (photometric, bits_stored, words) = grey(image, &mut remarks)?;
     let tags = FilmTags {
-        modality: None,
         spacing: SpacingEvidence {
             pixel_aspect: unequal.map(|one| one.pixel_aspect()),
             ..SpacingEvidence::default()
         },
-        view: ViewEvidence::default(),
         photometric,
-        presentation_lut_shape: None,
-        burned_in_annotation: None,
-        is_phantom: false,
-        patient: super::PatientMarks::default(),
-        exposure: super::ExposureMarks::default(),
-        uids: FilmUids::default(),
-        transfer_syntax: None,
         bits_stored,
+        ..FilmTags::default()
     };
     let stored = StoredPixels::Unsigned(words);
     // Other programs show the whole range of the file's bits.
