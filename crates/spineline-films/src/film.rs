@@ -52,14 +52,6 @@ impl Photometric {
     }
 }
 
-/// Presentation LUT Shape (2050,0020).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-pub enum PresentationShape {
-    Identity,
-    Inverse,
-}
-
 /// Identifiers with which a report refers to its film. They are unique to the film and contain no
 /// name: [`deidentify`](super::deidentify) exchanges them.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -85,8 +77,6 @@ pub struct FilmTags {
     pub view: ViewEvidence,
     /// Which values are bright.
     pub photometric: Photometric,
-    /// Presentation LUT Shape, which states the polarity again.
-    pub presentation_lut_shape: Option<PresentationShape>,
     /// Burned In Annotation (0028,0301), where it is stated.
     pub burned_in_annotation: Option<bool>,
     /// Whether the file states that its picture is of a phantom: Quality Control Image (0028,0300). Films of synthetic

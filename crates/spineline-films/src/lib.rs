@@ -56,7 +56,7 @@ pub use error::{
     Codec, CodecFault, ElementFault, FilmError, Lookalike, Measure, Place, UnsupportedPhotometric,
 };
 pub use exposure::{ExposureMarks, Exposures};
-pub use film::{FilmFile, FilmTags, FilmUids, Photometric, PresentationShape, StoredPixels};
+pub use film::{FilmFile, FilmTags, FilmUids, Photometric, StoredPixels};
 pub use kind::FilmKind;
 pub use limits::FilmLimits;
 pub use lookup::{Look, Lut, ModalityTransform, Voi, Window, WindowFunction};

@@ -14,7 +14,7 @@ use super::lookup::{Look, look};
 use super::pair::{aspect, pair};
 use super::patient::{PatientMarks, other_body_part};
 use super::scan::PIXEL_DATA;
-use super::{ExposureMarks, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape};
+use super::{ExposureMarks, FilmRemark, FilmTags, FilmUids, Photometric};
 
 /// Modalities whose pictures can be radiographs: devices, scanned films, and captures of either.
 pub(super) const RADIOGRAPHS: [&str; 10] =
@@ -39,7 +39,7 @@ pub(super) fn read(
     remarks.extend(other_body_part(data, modality.as_deref()));
     refuse_other_pixels(with_pixels)?;
     name_left_out(with_pixels, remarks);
-    let (photometric, shape) = polarity(data, remarks)?;
+    let photometric = polarity(data, remarks)?;
     if data.text(tags::LOSSY_IMAGE_COMPRESSION).as_deref() == Some("01") {
         remarks.push(FilmRemark::Lossy);
     }
@@ -53,7 +53,6 @@ pub(super) fn read(
         spacing,
         view: view(data, remarks),
         photometric,
-        presentation_lut_shape: shape,
         burned_in_annotation: burned_in,
         is_phantom: data.text(tags::QUALITY_CONTROL_IMAGE).as_deref() == Some("YES"),
         patient: PatientMarks::read(data),
@@ -70,29 +69,26 @@ pub(super) fn read(
     Ok((tags, look(data, remarks)))
 }
 
-/// The meaning of small values, and the shape of the look-up table that may contradict it.
+/// The meaning of small values, which the shape of the look-up table may contradict.
 fn polarity(
     data: &InMemDicomObject,
     remarks: &mut Vec<FilmRemark>,
-) -> Result<(Photometric, Option<PresentationShape>), FilmError> {
+) -> Result<Photometric, FilmError> {
     let photometric = Photometric::read(data.text(tags::PHOTOMETRIC_INTERPRETATION).as_deref())?;
-    let shape = data.text(tags::PRESENTATION_LUT_SHAPE).and_then(|text| match text.as_str() {
-        "IDENTITY" => Some(PresentationShape::Identity),
-        "INVERSE" => Some(PresentationShape::Inverse),
-        _ => {
-            remarks.push(FilmRemark::unusable(tags::PRESENTATION_LUT_SHAPE));
-            None
-        }
-    });
-    match (photometric, shape) {
-        (Photometric::Monochrome1, Some(PresentationShape::Identity))
-        | (Photometric::Monochrome2, Some(PresentationShape::Inverse)) => {
+    let shape = data.text(tags::PRESENTATION_LUT_SHAPE);
+    match shape.as_deref() {
+        None | Some("IDENTITY" | "INVERSE") => {}
+        Some(_) => remarks.push(FilmRemark::unusable(tags::PRESENTATION_LUT_SHAPE)),
+    }
+    match (photometric, shape.as_deref()) {
+        (Photometric::Monochrome1, Some("IDENTITY"))
+        | (Photometric::Monochrome2, Some("INVERSE")) => {
             remarks.push(FilmRemark::PolarityContradicted);
         }
         (Photometric::NotStated, _) => remarks.push(FilmRemark::PolarityNotStated),
         _ => {}
     }
-    Ok((photometric, shape))
+    Ok(photometric)
 }
 
 /// Whether the pixels show text; `None` if not stated.
