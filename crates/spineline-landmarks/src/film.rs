@@ -207,20 +207,6 @@ impl MarkedFilm {
         check_landmarks(&film)?;
         Ok(film)
     }
-
-    /// Number of vertebrae over all readings.
-    #[must_use]
-    pub fn vertebrae(&self) -> usize {
-        match &self.landmarks {
-            LandmarkReadings::Corners(readings) => {
-                readings.iter().map(|reading| reading.vertebrae.len()).sum()
-            }
-            LandmarkReadings::Placements(readings)
-            | LandmarkReadings::SurfaceMidlines(readings) => {
-                readings.iter().map(|reading| reading.vertebrae.len()).sum()
-            }
-        }
-    }
 }
 
 /// Points of one reading by name.

@@ -7,7 +7,7 @@ use spineline_landmarks::{
     parse_labelme, parse_landmarks, parse_mat, parse_slicer,
 };
 
-use crate::faults::{HEADING, hint, image};
+use crate::faults::{HEADING, count_vertebrae, hint, image};
 
 const CORNERS: [&str; 4] = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
 
@@ -128,7 +128,7 @@ fn rows_without_numbers_are_not_placed_in_any_spelling() {
         let cells = [blank; 8].join(",");
         let text = table().replacen(&row(Level::T12), &format!("erect,A,1,T12,{cells}"), 1);
         let file = read(&text);
-        assert_eq!(file.films[0].vertebrae(), 14, "{blank}");
+        assert_eq!(count_vertebrae(&file.films[0]), 14, "{blank}");
         assert!(file.remarks[0].contains("T12 of line 6"), "{:?}", file.remarks);
         let crests = format!("{}erect,,,iliac_crests,{cells}\n", table());
         assert_eq!(read(&crests).films[0].iliac_crests, None);
@@ -209,12 +209,12 @@ fn a_key_point_that_was_not_placed_is_missing_by_its_name() {
         let all = format!("{first},{first},{first},{first}");
         let text = coco(CORNERS, "T5", &all).replacen(",10,5,2,52,30,2,12,29,1]", "]", 1);
         let file = parse_coco(text.as_bytes(), &hint()).expect(first);
-        assert_eq!(file.films[0].vertebrae(), 1, "T4 alone");
+        assert_eq!(count_vertebrae(&file.films[0]), 1, "T4 alone");
     }
     for none in ["\"keypoints\":[]", "\"keypoints\":null", "\"bbox\":[0,0,1,1]"] {
         let text = coco(CORNERS, "T5", "50,7,2");
         let text = text.replacen("\"keypoints\":[50,7,2,10,5,2,52,30,2,12,29,1]", none, 1);
-        assert_eq!(parse_coco(text.as_bytes(), &hint()).expect(none).films[0].vertebrae(), 1);
+        assert_eq!(count_vertebrae(&parse_coco(text.as_bytes(), &hint()).expect(none).films[0]), 1);
     }
 }
 
@@ -279,7 +279,7 @@ fn points_of_slicer_without_a_position_are_passed_over() {
         ["\"\"", "[]", "null", "[NaN,NaN,NaN]", "[null,null,null]", "[\"nan\",\"nan\",\"nan\"]"]
     {
         let file = parse_slicer(slicer(empty).as_bytes(), &hint).expect(empty);
-        assert_eq!((file.films[0].vertebrae(), file.remarks.len()), (1, 4), "{empty}");
+        assert_eq!((count_vertebrae(&file.films[0]), file.remarks.len()), (1, 4), "{empty}");
     }
     for wrong in ["[1,2]", "\"here\"", "7"] {
         assert!(parse_slicer(slicer(wrong).as_bytes(), &hint).is_err(), "{wrong}");
@@ -304,7 +304,7 @@ fn shapes_of_labelme_without_a_place_are_passed_over() {
             shapes.join(",")
         );
         let file = parse_labelme(text.as_bytes(), &hint()).expect(points);
-        assert_eq!((file.films[0].vertebrae(), file.films[0].size), (1, Some((1000, 2000))));
+        assert_eq!((count_vertebrae(&file.films[0]), file.films[0].size), (1, Some((1000, 2000))));
         assert!(file.remarks[0].contains("T4_superior_left"), "{:?}", file.remarks);
     }
 }
@@ -392,7 +392,7 @@ fn what_matlab_marks_as_no_number_is_not_placed() {
     let mut points = aasce([0, 1, 2, 3]);
     points[..4].fill([f64::NAN; 2]);
     let file = parse_mat(&mat(&points), &hint()).expect("a film without T1");
-    assert_eq!(file.films[0].vertebrae(), 16);
+    assert_eq!(count_vertebrae(&file.films[0]), 16);
     points[5] = [f64::NAN; 2];
     let error = parse_mat(&mat(&points), &hint()).expect_err("half of T2").to_string();
     assert!(error.contains("T2") && error.contains("upper right"), "{error}");
