@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, FilmMovement};
 use spineline::chain::DenavitHartenberg;
 use spineline::spatial::Frontal;
 
-use crate::define::{Columns, LENGTHS, Row, Unit, keyed};
+use crate::define::{Columns, LENGTHS, Row, keyed};
 use crate::table::{NumberFormat::Places, Table};
 
 struct Segment<'a> {
@@ -43,22 +43,19 @@ pub fn chain_table(analyses: &[Analysis]) -> Table {
 }
 
 fn columns_of_segments(add: &mut Columns<'_, SegmentRow<'_>>) {
-    let mm = Unit::Millimetres;
     add.text("posture", "film", |row| row.posture.outline.posture.key());
     add.count("segment", "number of the segment; 0 is the most caudal one", |row| row.index);
-    add.number("a", mm, "link length", |row| row.mm(row.row.a_mm)).format = Places(9);
-    add.number("alpha", Unit::Degrees, "link twist", |row| row.row.alpha.deg());
-    add.number("d", mm, "link offset", |row| row.mm(row.row.d_mm)).format = Places(0);
-    add.number("theta", Unit::Degrees, "joint variable", |row| row.row.theta.deg()).format =
-        Places(9);
+    add.number("a_mm", "link length", |row| row.mm(row.row.a_mm)).format = Places(9);
+    add.number("alpha_deg", "link twist", |row| row.row.alpha.deg());
+    add.number("d_mm", "link offset", |row| row.mm(row.row.d_mm)).format = Places(0);
+    add.number("theta_deg", "joint variable", |row| row.row.theta.deg()).format = Places(9);
     add.number(
-        "joint_y",
-        mm,
+        "joint_y_mm",
         "joint at the caudal end of the segment, relative to the midpoint of the base; positive to the patient's left",
         |row| row.mm(row.joint.y_mm),
     )
     .format = Places(6);
-    add.number("joint_z", mm, "the same, positive upwards", |row| row.mm(row.joint.z_mm)).format =
+    add.number("joint_z_mm", "the same, positive upwards", |row| row.mm(row.joint.z_mm)).format =
         Places(6);
     add.text("lengths", LENGTHS, |row| row.posture.outline.scale.plane.key());
 }

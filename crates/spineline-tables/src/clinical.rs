@@ -4,7 +4,7 @@ use spineline::clinical::ClinicalCurve;
 use spineline::spatial::Angle;
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed, rows};
+use crate::define::{Columns, Row, keyed, rows};
 use crate::table::Table;
 
 /// A clinical curve on a film.
@@ -54,26 +54,22 @@ fn columns_of_curves(add: &mut Columns<'_, ClinicalRow<'_>>) {
         row.curve.convex.map(|side| side.to_string())
     });
     add.number(
-        "cobb",
-        Unit::Degrees,
+        "cobb_deg",
         "Cobb angle between endplates; positive where convex to the patient's left; empty where no corners are known",
         |row| row.curve.cobb_in(row.posture).map(Angle::deg),
     );
     add.number(
-        "tilt_range",
-        Unit::Degrees,
+        "tilt_range_deg",
         "tilt of the upper minus tilt of the lower end vertebra; positive where convex to the patient's left",
         |row| Some(row.curve.angles_in(row.posture)?.tilt_range.deg()),
     );
     add.number(
-        "ferguson",
-        Unit::Degrees,
+        "ferguson_deg",
         "Ferguson angle; positive where convex to the patient's left",
         |row| row.angle(&row.curve.ferguson),
     );
     add.number(
-        "apical_translation",
-        Unit::Millimetres,
+        "apical_translation_mm",
         "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film",
         |row| {
                 let region = row.erect()?.region;
@@ -83,7 +79,6 @@ fn columns_of_curves(add: &mut Columns<'_, ClinicalRow<'_>>) {
     );
     add.number(
         "flexibility",
-        Unit::One,
         "share of the erect Cobb angle (tilt range without corners) that the bend to the convex side corrects; only in the row of the erect film",
         |row| row.erect()?.flexibility,
     );

@@ -5,7 +5,7 @@ use spineline::cohort::{
     BaselineTest, Cohort, ComparisonOutcome, ErrorKind, LinePairTest, PairedComparison,
 };
 
-use crate::define::{Columns, ENDS_95, Unit, table};
+use crate::define::{Columns, ENDS_95, ONE, STATED, table};
 use crate::table::Table;
 
 /// A test of one prediction against another, and whether its patients are synthetic.
@@ -114,38 +114,38 @@ fn compared(add: &mut Columns<'_, Test<'_>>) {
 }
 
 fn difference(add: &mut Columns<'_, Test<'_>>) {
+    add.unit = STATED;
     add.number(
         "mean_difference",
-        Unit::Stated,
         "mean over patients of the first line's error minus the second's",
         |row| row.comparison.mean_difference,
     );
-    add.interval("interval_95", Unit::Stated, ENDS_95, |row| row.comparison.bootstrap);
+    add.interval(["interval_95_low", "interval_95_high"], ENDS_95, |row| row.comparison.bootstrap);
+    add.unit = ONE;
     add.number(
         "effect_d",
-        Unit::One,
         "effect size: the mean difference over the standard deviation of the patients' differences",
         |row| row.comparison.effect.map(|effect| effect.d),
     );
-    add.interval("effect_95", Unit::One, ENDS_95, |row| Some(row.comparison.effect?.interval));
+    add.interval(["effect_95_low", "effect_95_high"], ENDS_95, |row| {
+        Some(row.comparison.effect?.interval)
+    });
 }
 
 fn probabilities(add: &mut Columns<'_, Test<'_>>) {
-    add.number("sign_flip_p", Unit::One, "p value of the sign-flip test over patients", |row| {
+    add.number("sign_flip_p", "p value of the sign-flip test over patients", |row| {
         row.comparison.sign_flip.map(|test| test.p_two_sided)
     });
     add.number(
         "holm_p",
-        Unit::One,
         "the same, corrected by Holm over all tests of its family: pairs of lines, lines against predictions without mechanics, or other loads against these; empty where patients are too few for any significant difference",
         |row| row.holm_p,
     );
-    add.number("patient_t_p", Unit::One, "p value of the paired t-test over patients", |row| {
+    add.number("patient_t_p", "p value of the paired t-test over patients", |row| {
         row.comparison.patients.map(|test| test.p_two_sided)
     });
     add.number(
         "pooled_t_p",
-        Unit::One,
         "p value of the paired t-test over all vertebrae or angles, as in the paper; far too small, since the errors of one patient are not independent",
         |row| row.comparison.pooled.map(|test| test.p_two_sided),
     );

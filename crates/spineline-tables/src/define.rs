@@ -7,53 +7,22 @@ use spineline::analysis::Analysis;
 use crate::Patient;
 use crate::table::{NumberFormat, REFUSED, Series, Table, Values};
 
-/// Unit of a number; its name ends the name of the column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Unit {
-    Millimetres,
-    Pixels,
-    Degrees,
-    Radians,
-    NewtonMetresPerRadian,
-    Segments,
-    Years,
-    /// Newtons where a force is known.
-    Force,
-    /// A number without a unit.
-    One,
-    /// Given in another column of the same row.
-    Stated,
-}
+/// Ends of the names of numbers, and the units that they state.
+const UNITS: [(&str, &str); 7] = [
+    ("_mm", "mm"),
+    ("_px", "px"),
+    ("_deg", "deg"),
+    ("_nm_per_rad", "N·m/rad"),
+    ("_rad", "rad"),
+    ("_segments", "segments"),
+    ("_years", "years"),
+];
 
-impl Unit {
-    const fn suffix(self) -> &'static str {
-        match self {
-            Self::Millimetres => "_mm",
-            Self::Pixels => "_px",
-            Self::Degrees => "_deg",
-            Self::Radians => "_rad",
-            Self::NewtonMetresPerRadian => "_nm_per_rad",
-            Self::Segments => "_segments",
-            Self::Years => "_years",
-            Self::Force | Self::One | Self::Stated => "",
-        }
-    }
+/// The unit of a number without a unit.
+pub(crate) const ONE: &str = "1";
 
-    const fn words(self) -> &'static str {
-        match self {
-            Self::Millimetres => "mm",
-            Self::Pixels => "px",
-            Self::Degrees => "deg",
-            Self::Radians => "rad",
-            Self::NewtonMetresPerRadian => "N·m/rad",
-            Self::Segments => "segments",
-            Self::Years => "years",
-            Self::Force => "N where `absolute`, else relative",
-            Self::One => "1",
-            Self::Stated => "given in `unit`",
-        }
-    }
-}
+/// The unit of a number whose row states it in another column.
+pub(crate) const STATED: &str = "given in `unit`";
 
 /// A text of a cell.
 pub(crate) trait Text {
@@ -82,54 +51,53 @@ impl<T: Text> Text for Option<T> {
 pub(crate) struct Columns<'a, R> {
     rows: &'a [R],
     all: Vec<Series>,
+    /// Unit of the next numbers whose names end in no unit.
+    pub unit: &'static str,
 }
 
 impl<R> Columns<'_, R> {
     fn add(
         &mut self,
-        name: String,
+        name: &str,
         unit: &'static str,
         meaning: &'static str,
         values: Values,
     ) -> &mut Series {
-        let format = NumberFormat::Shortest;
+        let (name, format) = (name.to_owned(), NumberFormat::Shortest);
         self.all.push_mut(Series { name, unit, meaning, values, format })
     }
 
     /// A text.
     pub fn text<T: Text>(&mut self, name: &str, meaning: &'static str, cell: impl Fn(&R) -> T) {
         let values = self.rows.iter().map(|row| cell(row).shown()).collect();
-        self.add(name.to_owned(), "", meaning, Values::Text(values));
+        self.add(name, "", meaning, Values::Text(values));
     }
 
-    /// A measured or computed number; the unit is added to the name. A number without a finite value is empty, so that columns of
-    /// numbers contain no words.
+    /// A measured or computed number, whose name ends in its unit. A number without a finite value is empty, so that columns of numbers
+    /// contain no words.
     pub fn number<T: Into<Option<f64>>>(
         &mut self,
         name: &str,
-        unit: Unit,
         meaning: &'static str,
         cell: impl Fn(&R) -> T,
     ) -> &mut Series {
         let finite = |row| cell(row).into().filter(|value| value.is_finite());
         let values = Values::Number(self.rows.iter().map(finite).collect());
-        self.add(format!("{name}{}", unit.suffix()), unit.words(), meaning, values)
+        let stated = UNITS.iter().find(|(end, _)| name.ends_with(*end));
+        let unit = stated.map_or(self.unit, |(_, unit)| *unit);
+        self.add(name, unit, meaning, values)
     }
 
     /// The two ends of an interval.
     pub fn interval<T: Copy + Into<Option<f64>>>(
         &mut self,
-        name: &str,
-        unit: Unit,
-        [low, high]: [&'static str; 2],
+        names: [&str; 2],
+        meanings: [&'static str; 2],
         ends: impl Fn(&R) -> Option<[T; 2]>,
     ) {
-        self.number(&format!("{name}_low"), unit, low, |row| -> Option<f64> {
-            ends(row)?[0].into()
-        });
-        self.number(&format!("{name}_high"), unit, high, |row| -> Option<f64> {
-            ends(row)?[1].into()
-        });
+        for (end, (name, meaning)) in names.into_iter().zip(meanings).enumerate() {
+            self.number(name, meaning, |row| -> Option<f64> { ends(row)?[end].into() });
+        }
     }
 
     /// A count.
@@ -141,7 +109,7 @@ impl<R> Columns<'_, R> {
     ) {
         let values =
             self.rows.iter().map(|row| cell(row).into().map(|count| count as i64)).collect();
-        self.add(name.to_owned(), "1", meaning, Values::Count(values));
+        self.add(name, ONE, meaning, Values::Count(values));
     }
 
     /// True or false.
@@ -152,7 +120,7 @@ impl<R> Columns<'_, R> {
         cell: impl Fn(&R) -> T,
     ) {
         let values = self.rows.iter().map(|row| cell(row).into()).collect();
-        self.add(name.to_owned(), "", meaning, Values::Truth(values));
+        self.add(name, "", meaning, Values::Truth(values));
     }
 
     /// The reason why a case has no result; filled only by [`Table::refused`].
@@ -202,7 +170,7 @@ pub(crate) fn table<R>(
     rows: &[R],
     columns: impl FnOnce(&mut Columns<'_, R>),
 ) -> Table {
-    let mut add = Columns { rows, all: Vec::new() };
+    let mut add = Columns { rows, all: Vec::new(), unit: ONE };
     columns(&mut add);
     Table { name, row, columns: add.all }
 }

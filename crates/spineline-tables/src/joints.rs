@@ -5,7 +5,7 @@ use spineline::evaluate::Simulation;
 use spineline::personalize::evidence::{ContradictedJoint, JointEvidence};
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed, rows};
+use crate::define::{Columns, Row, keyed, rows};
 use crate::table::Table;
 use crate::vertebrae::simulations;
 
@@ -57,8 +57,7 @@ fn columns_of_joints(add: &mut Columns<'_, JointRow<'_>>) {
     add.text("inferior", "lower vertebra", |row| row.inferior.to_string());
     add.text("superior", "upper vertebra", |row| row.superior.to_string());
     add.number(
-        "rotation",
-        Unit::Degrees,
+        "rotation_deg",
         "measured change of the tilt of the upper vertebra relative to the lower one from the erect film; positive to the patient's right",
         |row| row.evidence.rotation.deg(),
     );
@@ -70,15 +69,11 @@ fn columns_of_joints(add: &mut Columns<'_, JointRow<'_>>) {
             simulation.is_usable().then(|| row.contradicted().is_some())
         },
     );
-    add.number(
-        "lever_arm",
-        Unit::Millimetres,
-        "lever arm of the force about a counter-rotating joint",
-        |row| row.contradicted().map(|joint| joint.lever_arm_mm),
-    );
+    add.number("lever_arm_mm", "lever arm of the force about a counter-rotating joint", |row| {
+        row.contradicted().map(|joint| joint.lever_arm_mm)
+    });
     add.number(
         "work_against",
-        Unit::One,
         "share of a counter-rotating joint in the work of all joints",
         |row| row.contradicted().map(|joint| joint.weight),
     );

@@ -3,7 +3,7 @@
 use spineline::response::{LoadedMeasure, LoadedState};
 use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
 
-use crate::define::{Columns, Unit, table};
+use crate::define::{Columns, STATED, table};
 use crate::table::Table;
 
 /// A spine before and under loads.
@@ -69,18 +69,14 @@ fn which(add: &mut Columns<'_, Number<'_>>) {
 }
 
 fn numbers(add: &mut Columns<'_, Number<'_>>) {
-    add.number("value", Unit::Stated, "value of the model itself", |row| {
-        row.measure.value(row.state)
-    });
-    add.number("mean", Unit::Stated, "mean over the replicates with a result", |row| {
+    add.unit = STATED;
+    add.number("value", "value of the model itself", |row| row.measure.value(row.state));
+    add.number("mean", "mean over the replicates with a result", |row| {
         Some(row.spread?.spread?.mean)
     });
-    add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
-        row.spread?.spread?.sd
-    });
+    add.number("sd", "standard deviation over the replicates", |row| row.spread?.spread?.sd);
     add.interval(
-        "interval_95",
-        Unit::Stated,
+        ["interval_95_low", "interval_95_high"],
         [
             "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model; empty where fewer than 40 have a value",
             "97.5 % quantile, likewise",

@@ -8,7 +8,7 @@ use spineline::personalize::{
 };
 
 use crate::Patient;
-use crate::define::{Columns, ENDS_95, Row, Unit, keyed, rows};
+use crate::define::{Columns, ENDS_95, Row, keyed, rows};
 use crate::table::Table;
 
 type ModelRow<'a> = Row<'a, &'a LineModel>;
@@ -31,7 +31,6 @@ fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
     add.count("iterations", "iterations of the fit", |row| row.fit.iterations as usize);
     add.number(
         "residual_rms",
-        Unit::One,
         "root mean square residual: degrees of Ferguson angles, or standard deviations of a shape (see `fit` in patients)",
         |row| row.fit.residual_rms,
     );
@@ -42,19 +41,16 @@ fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
     );
     add.number(
         "absolute_scale",
-        Unit::One,
         "factor on springs about all axes; 1 unless a force is known",
         |row| row.fit.absolute_scale,
     );
     add.number(
-        "mean_location_error_fitted",
-        Unit::Millimetres,
+        "mean_location_error_fitted_mm",
         "mean location error over the fitted films",
         |row| row.mean_location_error_mm(true),
     );
     add.number(
-        "mean_location_error_held_out",
-        Unit::Millimetres,
+        "mean_location_error_held_out_mm",
         "mean location error over the held-out films",
         |row| row.mean_location_error_mm(false),
     );
@@ -92,7 +88,6 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
     add.text("joints", "region, or joint", |row| row.model.groups.names()[row.group].clone());
     add.number(
         "multiplier",
-        Unit::One,
         "multiplier of the lateral springs; under `geometric_mean` only ratios are identified",
         |row| row.model.multipliers().nth(row.group),
     );
@@ -106,13 +101,11 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
     );
     add.number(
         "mean_of_joints",
-        Unit::One,
         "geometric mean of its joints' stiffness over the table's, by the mixed model; empty where not requested or not determined",
         |row| Some(row.found?.stiffness?.log_mean.exp()),
     );
     add.interval(
-        "interval_95",
-        Unit::One,
+        ["interval_95_low", "interval_95_high"],
         [
             "lower end of the 95 % interval of `mean_of_joints`; empty where the films set no lower limit",
             "upper end of the 95 % interval of `mean_of_joints`; empty where the films set no upper limit",
@@ -123,8 +116,7 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
         row.found.map(|_| STIFFNESS_COVERAGE.to_owned())
     });
     add.interval(
-        "interval_95_if_exact",
-        Unit::One,
+        ["interval_95_if_exact_low", "interval_95_if_exact_high"],
         [
             "lower end of its 95 % interval if the model is exact; empty where the films set no lower limit",
             "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit",
@@ -137,13 +129,10 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
     add.text("interval_if_exact_coverage", MULTIPLIER_COVERAGE, |row| {
         row.found.map(|_| MULTIPLIER_COVERAGE.to_owned())
     });
-    add.number(
-        "log_sd",
-        Unit::One,
-        "standard deviation of its logarithm from the films alone",
-        |row| row.found.map(|found| found.log_sd),
-    );
-    add.number("log_sd_with_prior", Unit::One, "the same with the prior", |row| {
+    add.number("log_sd", "standard deviation of its logarithm from the films alone", |row| {
+        row.found.map(|found| found.log_sd)
+    });
+    add.number("log_sd_with_prior", "the same with the prior", |row| {
         row.found.and_then(|found| found.log_sd_with_prior)
     });
 }
@@ -183,25 +172,21 @@ fn columns_of_springs(add: &mut Columns<'_, SpringsRow<'_>>) {
     add.text("line", "line of action of the model", |row| row.model.kind.key());
     add.text("inferior", "lower vertebra", |row| row.nominal.inferior.to_string());
     add.text("superior", "upper vertebra", |row| row.nominal.superior.to_string());
-    add.number(
-        "nominal_lateral",
-        Unit::NewtonMetresPerRadian,
-        "lateral stiffness before personalisation",
-        |row| newton_metres(row.nominal.nmm_per_rad, 0),
-    );
+    add.number("nominal_lateral_nm_per_rad", "lateral stiffness before personalisation", |row| {
+        newton_metres(row.nominal.nmm_per_rad, 0)
+    });
     add.number(
         "lateral_relative",
-        Unit::One,
         "personalised lateral stiffness relative to the nominal one; without a known force only ratios between joints are identified",
         |row| row.personal_nmm_per_rad[0] / row.nominal.nmm_per_rad[0],
     );
     let personalised = [
-        ("lateral", "personalised lateral stiffness; empty where no force was measured"),
-        ("flexion", "personalised stiffness about the flexion hinge, likewise"),
-        ("axial", "personalised stiffness about the axial hinge, likewise"),
+        ("lateral_nm_per_rad", "personalised lateral stiffness; empty where no force was measured"),
+        ("flexion_nm_per_rad", "personalised stiffness about the flexion hinge, likewise"),
+        ("axial_nm_per_rad", "personalised stiffness about the axial hinge, likewise"),
     ];
     for (axis, (name, meaning)) in personalised.into_iter().enumerate() {
-        add.number(name, Unit::NewtonMetresPerRadian, meaning, |row| {
+        add.number(name, meaning, |row| {
             let known = absolute(row.analysis, row.model);
             known.then(|| newton_metres(row.personal_nmm_per_rad, axis))
         });
@@ -245,22 +230,19 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
         |row| row.simulation.status.key(),
     );
     add.number(
-        "point_y",
-        Unit::Millimetres,
+        "point_y_mm",
         "lateral coordinate of a point of the line, positive to the patient's left",
         |row| row.simulation.line.point.y_mm,
     );
-    add.number("point_z", Unit::Millimetres, "its height", |row| row.simulation.line.point.z_mm);
-    add.number(
-        "lean",
-        Unit::Degrees,
-        "lateral tilt of the line; positive to the patient's right",
-        |row| row.simulation.line.lateral_tilt().deg(),
-    );
+    add.number("point_z_mm", "its height", |row| row.simulation.line.point.z_mm);
+    add.number("lean_deg", "lateral tilt of the line; positive to the patient's right", |row| {
+        row.simulation.line.lateral_tilt().deg()
+    });
     add.text("application", "`fixed` in space, or `at_t2`", |row| {
         row.simulation.line.application.key()
     });
-    add.number("force", Unit::Force, "signed force along the line", |row| row.simulation.force_n);
+    add.number("force", "signed force along the line", |row| row.simulation.force_n).unit =
+        "N where `absolute`, else relative";
     add.truth("absolute", "whether the force is in newtons; else it is relative", |row| {
         absolute(row.analysis, row.model)
     });
@@ -274,13 +256,11 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
     });
     add.number(
         "film_scale",
-        Unit::One,
         "the film's scale against the erect film: from all vertebrae of a fitted film, from the top vertebra of a predicted one",
         |row| row.simulation.shape.scale.factor,
     );
     add.interval(
-        "film_scale_95",
-        Unit::One,
+        ["film_scale_95_low", "film_scale_95_high"],
         ["lower end of its 95 % interval; empty where it is fixed", ENDS_95[1]],
         |row| {
             let scale = row.simulation.shape.scale;
@@ -291,8 +271,7 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
 
 fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
     add.number(
-        "mean_location_error",
-        Unit::Millimetres,
+        "mean_location_error_mm",
         "mean location error over the vertebrae above the base",
         |row| {
             let found = row.simulation;
@@ -305,8 +284,8 @@ fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
         "the same of the proximal thoracic curve",
     ];
     for (region, meaning) in Region::ALL.into_iter().zip(of_region) {
-        let name = format!("ferguson_error_{}", region.key());
-        add.number(&name, Unit::Degrees, meaning, |row| {
+        let name = format!("ferguson_error_{}_deg", region.key());
+        add.number(&name, meaning, |row| {
             let found = row.simulation;
             found.is_usable().then(|| found.ferguson_difference[region.index()].abs().deg())
         });
@@ -314,12 +293,9 @@ fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
     add.count("joints_against", "number of counter-rotating joints", |row| {
         row.simulation.is_usable().then(|| row.simulation.contradicted.len())
     });
-    add.number(
-        "work_against",
-        Unit::One,
-        "share of these joints in the work of all joints",
-        |row| row.simulation.is_usable().then(|| row.simulation.contradicted_weight()),
-    );
+    add.number("work_against", "share of these joints in the work of all joints", |row| {
+        row.simulation.is_usable().then(|| row.simulation.contradicted_weight())
+    });
 }
 
 /// A prediction of another load and base.
@@ -361,34 +337,25 @@ fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
     add.text("fit_status", "how the fit to all bends ended", |row| row.fit.ending_key());
     add.number(
         "aicc",
-        Unit::One,
         "Akaike's information criterion of that fit, corrected for small samples",
         |row| row.fit.criteria.aicc,
     );
-    add.number("bic", Unit::One, "Bayesian information criterion of that fit", |row| {
-        row.fit.criteria.bic
-    });
+    add.number("bic", "Bayesian information criterion of that fit", |row| row.fit.criteria.bic);
     add.number(
-        "mean_location_error",
-        Unit::Millimetres,
+        "mean_location_error_mm",
         "mean location error over the vertebrae above the base",
         |row| row.prediction.shape.mean_location_error_mm(),
     );
     add.number(
-        "mean_band_95_radius",
-        Unit::Millimetres,
+        "mean_band_95_radius_mm",
         "mean radius of its 95 % band; empty where the load was fitted to the film",
         |row| row.mean_radius_mm,
     );
+    add.number("rotation_rms_deg", "root mean square error of the joint rotations", |row| {
+        row.prediction.rotation_rms.deg()
+    });
     add.number(
-        "rotation_rms",
-        Unit::Degrees,
-        "root mean square error of the joint rotations",
-        |row| row.prediction.rotation_rms.deg(),
-    );
-    add.number(
-        "base",
-        Unit::Degrees,
+        "base_deg",
         "rotation of the whole spine about the base; positive to the patient's right",
         |row| row.prediction.base.deg(),
     );
@@ -397,10 +364,7 @@ fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
         "number of joints that turn against the moment of the load",
         |row| row.prediction.against.joints,
     );
-    add.number(
-        "work_against",
-        Unit::One,
-        "share of these joints in the work of all joints",
-        |row| row.prediction.against.weight,
-    );
+    add.number("work_against", "share of these joints in the work of all joints", |row| {
+        row.prediction.against.weight
+    });
 }

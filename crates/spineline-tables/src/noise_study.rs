@@ -3,7 +3,7 @@
 use spineline::cohort::Claims;
 use spineline::evaluate::statistics::Share;
 
-use crate::define::{Columns, ENDS_95, Unit, table};
+use crate::define::{Columns, ENDS_95, table};
 use crate::table::{NumberFormat, NumberFormat::Places, Table};
 
 /// The claims in one setting of the study.
@@ -50,11 +50,10 @@ fn share(
     share: impl Fn(&NoisePoint<'_>) -> Option<(f64, Option<[f64; 2]>)>,
 ) {
     let place = Places(4);
-    add.number(&format!("{name}_share"), Unit::One, meaning, |row| Some(share(row)?.0)).format =
-        place;
+    add.number(&format!("{name}_share"), meaning, |row| Some(share(row)?.0)).format = place;
     for (end, (name_of_end, meaning)) in ["low", "high"].into_iter().zip(ENDS_95).enumerate() {
         let name = format!("{name}_share_{name_of_end}");
-        add.number(&name, Unit::One, meaning, |row| Some(share(row)?.1?[end])).format = place;
+        add.number(&name, meaning, |row| Some(share(row)?.1?[end])).format = place;
     }
 }
 
@@ -72,8 +71,7 @@ fn setting(add: &mut Points<'_, '_>) {
     add.text("support", "`free` or `frontal`; empty where no models were made", |row| row.support);
     add.text("order_rule", "rule for the order of the curves", |row| row.order_rule.clone());
     add.number(
-        "noise_sd",
-        Unit::Millimetres,
+        "noise_sd_mm",
         "standard deviation of a coordinate of a corner in one reading",
         |row| row.noise_sd_mm,
     );
@@ -90,14 +88,13 @@ fn near(add: &mut Points<'_, '_>) {
         "share of inflections near the least-rotating segment, mean over phantoms",
         |row| with_interval(&row.claims.near),
     );
-    add.number("near_share_by_chance", Unit::One, "this share at random places", |row| {
+    add.number("near_share_by_chance", "this share at random places", |row| {
         row.claims.near_by_chance
     })
     .format = Places(4);
     verdict(add, "near_verdict", 0);
     add.number(
-        "median_distance",
-        Unit::Segments,
+        "median_distance_segments",
         "median distance of an inflection from the least-rotating segment",
         |row| row.claims.median_distance_segments,
     )
@@ -107,12 +104,11 @@ fn near(add: &mut Points<'_, '_>) {
 /// Claim 2.
 fn below_mean(add: &mut Points<'_, '_>) {
     let rotations = [
-        ("mean_rotation", "mean rotation of all segments"),
-        ("inflection_rotation", "mean rotation of the inflections"),
+        ("mean_rotation_deg", "mean rotation of all segments"),
+        ("inflection_rotation_deg", "mean rotation of the inflections"),
     ];
     for (place, (name, meaning)) in rotations.into_iter().enumerate() {
-        add.number(name, Unit::Degrees, meaning, |row| row.claims.rotations_deg[place]).format =
-            Places(5);
+        add.number(name, meaning, |row| row.claims.rotations_deg[place]).format = Places(5);
     }
     share(
         add,
@@ -146,22 +142,21 @@ fn advantage(add: &mut Points<'_, '_>) {
         row.claims.better.n
     });
     let mut number = |name, meaning, cell: fn(&NoisePoint<'_>) -> Option<f64>| {
-        add.number(name, Unit::Millimetres, meaning, cell).format = Places(3);
+        add.number(name, meaning, cell).format = Places(3);
     };
-    number("inflection_line_error", "mean location error, inflection line", |row| {
+    number("inflection_line_error_mm", "mean location error, inflection line", |row| {
         Some(row.claims.errors_mm[0])
     });
-    number("iliac_line_error", "mean location error, iliac line", |row| {
+    number("iliac_line_error_mm", "mean location error, iliac line", |row| {
         Some(row.claims.errors_mm[1])
     });
-    number("advantage", "by which the inflection line's error is smaller", |row| {
+    number("advantage_mm", "by which the inflection line's error is smaller", |row| {
         Some(row.claims.advantage_mm.0)
     });
-    number("advantage_low", ENDS_95[0], |row| Some(row.claims.advantage_mm.1?[0]));
-    number("advantage_high", ENDS_95[1], |row| Some(row.claims.advantage_mm.1?[1]));
+    number("advantage_low_mm", ENDS_95[0], |row| Some(row.claims.advantage_mm.1?[0]));
+    number("advantage_high_mm", ENDS_95[1], |row| Some(row.claims.advantage_mm.1?[1]));
     add.number(
         "advantage_p_one_sided",
-        Unit::One,
         "one-sided p value of the paired t-test with a mean per phantom",
         |row| row.claims.advantage_p,
     )
@@ -184,14 +179,11 @@ fn rod_exceeds(add: &mut Points<'_, '_>) {
 }
 
 fn curve(add: &mut Points<'_, '_>) {
-    add.number("curve_residual", Unit::Millimetres, "mean residual of the curves", |row| {
-        row.claims.residuals[0]
-    })
-    .format = Places(4);
-    add.number("curve_residual", Unit::Degrees, "mean residual of their tilts", |row| {
+    add.number("curve_residual_mm", "mean residual of the curves", |row| row.claims.residuals[0])
+        .format = Places(4);
+    add.number("curve_residual_deg", "mean residual of their tilts", |row| {
         row.claims.residuals[1]
     })
     .format = Places(4);
-    add.number("mean_order", Unit::One, "mean order of the curves", |row| row.claims.order)
-        .format = Places(2);
+    add.number("mean_order", "mean order of the curves", |row| row.claims.order).format = Places(2);
 }

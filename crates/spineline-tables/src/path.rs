@@ -5,7 +5,7 @@ use spineline::multibody::{ForceSign, PathPoint};
 use spineline::response::{CurveAngles, SpineAngles};
 use spineline::spatial::Angle;
 
-use crate::define::{Columns, Unit, table};
+use crate::define::{Columns, table};
 use crate::table::{NumberFormat, Table};
 
 /// One shape of a spine under loads.
@@ -54,16 +54,13 @@ fn keys(add: &mut Columns<'_, LoadedShape<'_>>) {
         row.sign.key()
     });
     add.text("timing", "which loads are varied", |row| row.point.timing.key());
-    add.number("factor", Unit::One, "factor of these loads", |row| row.point.factor);
-    add.number("arc", Unit::Radians, "length of the path up to this shape", |row| {
-        row.point.arc_rad
-    });
+    add.number("factor", "factor of these loads", |row| row.point.factor);
+    add.number("arc_rad", "length of the path up to this shape", |row| row.point.arc_rad);
 }
 
 fn location(add: &mut Columns<'_, LoadedShape<'_>>, top: &str) {
     add.number(
-        "lateral_tilt_right",
-        Unit::Degrees,
+        "lateral_tilt_right_deg",
         "lateral tilt of the line from the lowest to the uppermost vertebra against the lowest's axis; positive to the patient's right",
         |row| row.angles.lateral_tilt.deg(),
     );
@@ -73,7 +70,7 @@ fn location(add: &mut Columns<'_, LoadedShape<'_>>, top: &str) {
         ("cranial", "the same, positive upwards"),
     ];
     for (axis, (way, meaning)) in ways.into_iter().enumerate() {
-        add.number(&format!("{top}_{way}"), Unit::Millimetres, meaning, |row| {
+        add.number(&format!("{top}_{way}_mm"), meaning, |row| {
             row.point.deformed.midpoints_mm.last().map(|midpoint| midpoint[axis])
         });
     }
@@ -97,21 +94,18 @@ fn curves(add: &mut Columns<'_, LoadedShape<'_>>, regions: &[&str]) {
     ];
     for (angle, meaning, measure) in angles {
         for (curve, region) in regions.iter().enumerate() {
-            let name = format!("{angle}_{region}_convex_left");
-            add.number(&name, Unit::Degrees, meaning, |row| {
-                measure(&row.angles.curves[curve]).map(Angle::deg)
-            });
+            let name = format!("{angle}_{region}_convex_left_deg");
+            add.number(&name, meaning, |row| measure(&row.angles.curves[curve]).map(Angle::deg));
         }
     }
 }
 
 fn numerics(add: &mut Columns<'_, LoadedShape<'_>>) {
-    add.number("largest_hinge", Unit::Radians, "largest angle of a hinge", |row| {
+    add.number("largest_hinge_rad", "largest angle of a hinge", |row| {
         row.point.deformed.largest_hinge_rad()
     });
     add.number(
-        "residual",
-        Unit::Radians,
+        "residual_rad",
         "largest difference between a hinge angle and the one of its moment",
         |row| row.point.residual_rad,
     )

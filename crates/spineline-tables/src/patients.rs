@@ -4,7 +4,7 @@ use spineline::spatial::Angle;
 use spineline::warning::Severity;
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed, rows};
+use crate::define::{Columns, Row, keyed, rows};
 use crate::table::Table;
 
 type PatientRow<'a> = Row<'a, &'a Subject>;
@@ -27,7 +27,7 @@ fn subject(add: &mut Columns<'_, PatientRow<'_>>) {
     add.text("sex", "`female`, `male` or `other`, as stated in the case", |row| {
         row.sex.map(Sex::key)
     });
-    add.number("age", Unit::Years, "age at the time of the films, as stated in the case", |row| {
+    add.number("age_years", "age at the time of the films, as stated in the case", |row| {
         row.age_years
     });
     add.text("lenke_recorded", "Lenke class recorded by clinicians", |row| row.lenke.clone());
@@ -69,7 +69,7 @@ fn curve(add: &mut Columns<'_, PatientRow<'_>>) {
     add.count("chain_segments", "number of segments of the erect chain (n)", |row| {
         row.analysis.movement.chain.segments
     });
-    add.number("segment", Unit::Millimetres, "length of a segment of the chain (l)", |row| {
+    add.number("segment_mm", "length of a segment of the chain (l)", |row| {
         row.analysis.movement.scale().mm(row.analysis.movement.chain.segment_mm)
     });
 }
@@ -90,20 +90,17 @@ fn inflections(add: &mut Columns<'_, PatientRow<'_>>) {
     ];
     for (end, (name, meaning)) in of_end.into_iter().enumerate() {
         let name = |part: &str| format!("inflection_{name}_{part}");
-        let mm = Unit::Millimetres;
         add.text(&name("between"), meaning, |row| inflection(row, end).map(|found| found.place()));
         add.number(
-            &name("y"),
-            mm,
+            &name("y_mm"),
             "lateral coordinate of this inflection, positive to the patient's left",
             |row| row.analysis.movement.scale().mm(inflection(row, end)?.erect.y_mm),
         );
-        add.number(&name("z"), mm, "its height", |row| {
+        add.number(&name("z_mm"), "its height", |row| {
             row.analysis.movement.scale().mm(inflection(row, end)?.erect.z_mm)
         });
         add.interval(
-            &name("interval_95"),
-            mm,
+            [&name("interval_95_low_mm"), &name("interval_95_high_mm")],
             [
                 "caudal end of its 95 % interval along the erect curve from the base, by landmark noise and the unknown form of the curve",
                 "cranial end of this interval",
@@ -159,7 +156,7 @@ fn options(add: &mut Columns<'_, PatientRow<'_>>) {
     add.text("grouping", "multipliers are `regional`, `fixed_regions` or `per_joint`", |row| {
         row.analysis.options.grouping.key()
     });
-    add.number("prior_log_sd", Unit::One, "prior standard deviation of ln multiplier", |row| {
+    add.number("prior_log_sd", "prior standard deviation of ln multiplier", |row| {
         row.analysis.options.prior.map(|prior| prior.log_sd)
     });
 }
@@ -175,8 +172,7 @@ fn balance(add: &mut Columns<'_, PatientRow<'_>>) {
         Some(row.analysis.movement.balance.as_ref()?.plumb_level.to_string())
     });
     add.number(
-        "coronal_balance",
-        Unit::Millimetres,
+        "coronal_balance_mm",
         "distance of the plumb line from the central sacral vertical line, positive to the patient's left",
         |row| {
                 let balance = row.analysis.movement.balance.as_ref()?;
@@ -184,17 +180,15 @@ fn balance(add: &mut Columns<'_, PatientRow<'_>>) {
             },
     );
     add.number(
-        "t1_tilt",
-        Unit::Degrees,
+        "t1_tilt_deg",
         "tilt of the superior endplate of T1 against the horizontal; positive where its normal is tilted to the patient's right",
         |row| row.analysis.movement.balance.as_ref()?.t1_tilt.map(Angle::deg),
     );
-    add.number("l4_tilt", Unit::Degrees, "the same of L4", |row| {
+    add.number("l4_tilt_deg", "the same of L4", |row| {
         row.analysis.movement.balance.as_ref()?.l4_tilt.map(Angle::deg)
     });
     add.number(
-        "pelvic_obliquity",
-        Unit::Degrees,
+        "pelvic_obliquity_deg",
         "tilt of the iliac line against the horizontal; positive where the patient's left crest is higher",
         |row| row.analysis.movement.balance.as_ref()?.pelvic_obliquity.map(Angle::deg),
     );

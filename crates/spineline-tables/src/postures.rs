@@ -4,7 +4,7 @@ use spineline::measure::FilmLength;
 use spineline::spatial::Angle;
 
 use crate::Patient;
-use crate::define::{Columns, ENDS_95, LENGTHS, Row, Unit, keyed, rows};
+use crate::define::{Columns, ENDS_95, LENGTHS, Row, keyed, rows};
 use crate::table::Table;
 
 type PostureRow<'a> = Row<'a, &'a FilmMovement>;
@@ -37,27 +37,22 @@ fn film(add: &mut Columns<'_, PostureRow<'_>>) {
     );
     add.count("readings", "readings of the film", |row| row.outline.readings);
     add.number(
-        "spine",
-        Unit::Millimetres,
+        "spine_mm",
         "length of the polygon through the midpoints from the base to the top",
         |row| row.outline.scale.mm(row.outline.polygon_mm()),
     );
     add.number(
-        "amplitude",
-        Unit::Degrees,
+        "amplitude_deg",
         "lateral tilt of the line between two vertebrae against the normal of the iliac line, or without iliac crests against the axis of the lowest vertebra of the model; positive to the patient's right",
         |row| row.outline.amplitude().deg(),
     );
     add.text("amplitude_between", "vertebrae of the amplitude, the lower one first", |row| {
         row.outline.amplitude_levels().map(|level| level.to_string()).join("/")
     });
-    add.number(
-        "noise_location",
-        Unit::Millimetres,
-        "standard deviation of a coordinate of a location",
-        |row| row.outline.scale.mm(row.outline.noise.location_mm),
-    );
-    add.number("noise_tilt", Unit::Degrees, "standard deviation of a tilt", |row| {
+    add.number("noise_location_mm", "standard deviation of a coordinate of a location", |row| {
+        row.outline.scale.mm(row.outline.noise.location_mm)
+    });
+    add.number("noise_tilt_deg", "standard deviation of a tilt", |row| {
         row.outline.noise.tilt.deg()
     });
     add.truth(
@@ -71,17 +66,15 @@ fn curve(add: &mut Columns<'_, PostureRow<'_>>) {
     add.count("curve_order", "order of the curve's polynomial", |row| row.fit.order);
     add.text("curve_form", "`graph` (y of z) or `parametric`", |row| row.fit.curve.form().key());
     add.number(
-        "curve_rmse",
-        Unit::Millimetres,
+        "curve_rmse_mm",
         "root mean square distance of the curve from the locations",
         |row| row.outline.scale.mm(row.fit.rmse_mm),
     );
-    add.number("curve_rmse", Unit::Pixels, "the same where the film has no spacing", |row| {
+    add.number("curve_rmse_px", "the same where the film has no spacing", |row| {
         row.outline.scale.px(row.fit.rmse_mm)
     });
     add.number(
-        "curve_rmse",
-        Unit::Degrees,
+        "curve_rmse_deg",
         "root mean square difference between the tilt of the curve and the measured tilts",
         |row| row.fit.rmse_tilt.deg(),
     );
@@ -100,25 +93,22 @@ fn length(row: &PostureRow<'_>) -> Option<FilmLength> {
 fn film_scale(add: &mut Columns<'_, PostureRow<'_>>) {
     add.number(
         "film_scale_measured",
-        Unit::One,
         "length of the spine on this film over its length on the erect film, from the locations alone",
         |row| length(row).map(|length| length.measured.factor),
     );
     add.number(
         "film_scale",
-        Unit::One,
         "the same with its prior; locations are divided by it. 1 where the scale is fixed",
         |row| length(row).map(|length| length.scale.factor),
     );
-    add.interval("film_scale_95", Unit::One, ENDS_95, |row| {
+    add.interval(["film_scale_95_low", "film_scale_95_high"], ENDS_95, |row| {
         length(row).filter(FilmLength::is_free).map(|length| length.scale.interval_95())
     });
 }
 
 fn movement(add: &mut Columns<'_, PostureRow<'_>>) {
     add.number(
-        "mean_rotation",
-        Unit::Degrees,
+        "mean_rotation_deg",
         "mean rotation of the segments from the erect posture",
         |row| row.mean_rotation().map(Angle::deg),
     );
@@ -136,14 +126,13 @@ fn movement(add: &mut Columns<'_, PostureRow<'_>>) {
     ];
     for (end, (name, distance, rotation)) in of_end.into_iter().enumerate() {
         let estimate = |row: &PostureRow<'_>| row.inflection_estimates.map(|pair| pair[end]);
-        let to_least = format!("{name}_to_least");
-        add.number(&to_least, Unit::Segments, distance, |row| {
+        add.number(&format!("{name}_to_least_segments"), distance, |row| {
             estimate(row).map(|found| found.distance_segments as f64)
         });
-        add.number(&to_least, Unit::Millimetres, "the same along the erect curve", |row| {
+        add.number(&format!("{name}_to_least_mm"), "the same along the erect curve", |row| {
             row.analysis.movement.scale().mm(estimate(row)?.distance_mm)
         });
-        add.number(&format!("{name}_rotation"), Unit::Degrees, rotation, |row| {
+        add.number(&format!("{name}_rotation_deg"), rotation, |row| {
             estimate(row).map(|found| found.rotation.deg())
         });
     }
@@ -151,38 +140,32 @@ fn movement(add: &mut Columns<'_, PostureRow<'_>>) {
 
 fn own_line(add: &mut Columns<'_, PostureRow<'_>>) {
     add.number(
-        "best_fit_line_lateral_tilt",
-        Unit::Degrees,
+        "best_fit_line_lateral_tilt_deg",
         "lateral tilt of the line of best fit to the rotations; positive to the patient's right",
         |row| row.best_fit_line.as_ref().map(|own| own.line.lateral_tilt().deg()),
     );
     add.number(
-        "better_than_inflection_line",
-        Unit::Degrees,
+        "better_than_inflection_line_deg",
         "angle between this line and the inflection line",
         |row| row.line_comparison(LineKind::Inflection).map(|found| found.angle.deg()),
     );
     add.number(
-        "better_than_inflection_line",
-        Unit::Millimetres,
+        "better_than_inflection_line_mm",
         "distance of this line from the midpoint of the inflections",
         |row| row.line_comparison(LineKind::Inflection).map(|found| found.distance_mm),
     );
     add.number(
         "p_through_inflections",
-        Unit::One,
         "p value of the hypothesis that this line runs through both inflections",
         |row| row.line_comparison(LineKind::Inflection).map(|found| found.test.p_value),
     );
     add.number(
         "p_parallel_to_iliac_line",
-        Unit::One,
         "p value of the hypothesis that this line is parallel to the iliac line",
         |row| row.line_comparison(LineKind::Iliac).map(|found| found.test.p_value),
     );
     add.number(
         "p_given_line",
-        Unit::One,
         "p value of the hypothesis that this line is the given line",
         |row| row.line_comparison(LineKind::Given).map(|found| found.test.p_value),
     );

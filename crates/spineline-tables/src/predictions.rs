@@ -6,7 +6,7 @@ use spineline::evaluate::Band;
 use spineline::spatial::Frontal;
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed, rows};
+use crate::define::{Columns, Row, keyed, rows};
 use crate::table::Table;
 
 /// A vertebra of a predicted film.
@@ -65,28 +65,22 @@ fn columns(add: &mut Columns<'_, PredictedRow<'_>>) {
         |row| row.method.clone(),
     );
     add.text("level", "vertebra", |row| row.level.to_string());
+    add.number("predicted_y_mm", "predicted midpoint, positive to the patient's left", |row| {
+        row.location.y_mm
+    });
+    add.number("predicted_z_mm", "its height", |row| row.location.z_mm);
     add.number(
-        "predicted_y",
-        Unit::Millimetres,
-        "predicted midpoint, positive to the patient's left",
-        |row| row.location.y_mm,
-    );
-    add.number("predicted_z", Unit::Millimetres, "its height", |row| row.location.z_mm);
-    add.number(
-        "location_error",
-        Unit::Millimetres,
+        "location_error_mm",
         "distance of the predicted midpoint from the measured one",
         |row| row.error_mm,
     );
     add.number(
-        "band_95_radius",
-        Unit::Millimetres,
+        "band_95_radius_mm",
         "radius about the predicted midpoint that holds the vertebra on 95 % of films",
         |row| row.radius_mm,
     );
     add.number(
-        "band_95_film_radius",
-        Unit::Millimetres,
+        "band_95_film_radius_mm",
         "the same radius for all vertebrae of a film together",
         |row| Band::WHOLE_FILM * row.radius_mm,
     );

@@ -1,7 +1,7 @@
 use spineline::reliability::{Design, Statistic};
 
 use crate::Patient;
-use crate::define::{Columns, ENDS_95, Row, Unit, keyed, rows};
+use crate::define::{Columns, ENDS_95, Row, STATED, keyed, rows};
 use crate::statistics::columns_of_design;
 use crate::table::Table;
 
@@ -38,6 +38,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns_of_statistics(add: &mut Columns<'_, ReliabilityRow<'_>>) {
+    add.unit = STATED;
     columns_of_design(add, |row| &row.quantity, |row| &row.design);
     add.count(
         "repeat",
@@ -53,10 +54,10 @@ fn columns_of_statistics(add: &mut Columns<'_, ReliabilityRow<'_>>) {
         let kind = row.statistic.kind;
         kind.has_unit().then(|| row.unit.clone())
     });
-    add.number("value", Unit::Stated, "value of the statistic", |row| {
+    add.number("value", "value of the statistic", |row| {
         row.statistic.outcome.ok().map(|estimate| estimate.value)
     });
-    add.interval("interval_95", Unit::Stated, ENDS_95, |row| {
+    add.interval(["interval_95_low", "interval_95_high"], ENDS_95, |row| {
         row.statistic.outcome.ok()?.interval.ok()
     });
     add.text("undefined", "reason why the value is missing", |row| {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::define::{Columns, Unit, table};
+use crate::define::{Columns, STATED, table};
 use crate::table::{NumberFormat, Table};
 
 /// One number of the paper beside the number of one group of patients.
@@ -40,6 +40,7 @@ pub fn reproduction_table(numbers: &[ReproducedNumber]) -> Table {
 }
 
 fn columns(add: &mut Columns<'_, ReproducedNumber>) {
+    add.unit = STATED;
     add.text("section", "part of the paper", |row| row.section.clone());
     add.text("support", "`free`, `frontal`, or empty where it does not matter", |row| row.support);
     add.text("quantity", "what the number measures", |row| row.quantity.clone());
@@ -52,9 +53,9 @@ fn columns(add: &mut Columns<'_, ReproducedNumber>) {
         "loading scenario (`rod`, `bend` or `pull`), or `films` for cases that were given",
         |row| row.group,
     );
-    add.number("mean", Unit::Stated, "mean, share or p value; empty without one", |row| row.mean)
-        .format = NumberFormat::ShortestDecimal;
-    add.number("sd", Unit::Stated, "standard deviation; empty without one", |row| row.sd).format =
+    add.number("mean", "mean, share or p value; empty without one", |row| row.mean).format =
+        NumberFormat::ShortestDecimal;
+    add.number("sd", "standard deviation; empty without one", |row| row.sd).format =
         NumberFormat::ShortestDecimal;
     add.count("n", "number of values", |row| row.n);
     add.text("text", "the number as it is printed", |row| row.text.clone());

@@ -5,7 +5,7 @@ use spineline::measure::{AxialRotation, SpatialOutline, SpatialVertebra};
 use spineline::spatial::{Angle, Vec3};
 
 use crate::Patient;
-use crate::define::{Columns, ENDS_95, Row, Unit, keyed, rows};
+use crate::define::{Columns, ENDS_95, Row, STATED, keyed, rows};
 use crate::table::Table;
 
 /// A vertebra on both films.
@@ -51,6 +51,7 @@ pub(crate) fn measures(patients: &[Patient<'_>]) -> Table {
 type NumberRow<'a> = Row<'a, SpatialNumber>;
 
 fn numbers(add: &mut Columns<'_, NumberRow<'_>>) {
+    add.unit = STATED;
     add.text(
         "quantity",
         "kyphosis or lordosis by `endplates` or `axes`; `curve_frontal`, `curve_lateral`, `curve_largest` (in the plane of maximum curvature) and `curve_convexity` (0 front, 90 left, 180 back) by axes; `spinal_length`",
@@ -62,14 +63,13 @@ fn numbers(add: &mut Columns<'_, NumberRow<'_>>) {
     add.text("region", "region of a curve", |row| row.region.map(|region| region.key()));
     add.text("dimension", "`2-D` on one film, `3-D` in space", |row| row.dimension.key());
     add.text("unit", "`deg`, `mm`, or `px` where the erect film has no spacing", |row| row.unit);
-    add.number("value", Unit::Stated, "its value", |row| row.value);
+    add.number("value", "its value", |row| row.value);
     add.number(
         "sd",
-        Unit::Stated,
         "its standard deviation by the landmarks and the alignment of the lateral film",
         |row| row.sd,
     );
-    add.interval("interval_95", Unit::Stated, ENDS_95, |row| Some(row.interval_95()));
+    add.interval(["interval_95_low", "interval_95_high"], ENDS_95, |row| Some(row.interval_95()));
 }
 
 fn place_mm(row: &VertebraRow<'_>, part: fn(&Vec3) -> f64) -> Option<f64> {
@@ -79,45 +79,38 @@ fn place_mm(row: &VertebraRow<'_>, part: fn(&Vec3) -> f64) -> Option<f64> {
 fn places(add: &mut Columns<'_, VertebraRow<'_>>) {
     add.text("level", "vertebra", |row| row.vertebra.level.to_string());
     add.number(
-        "x_3d",
-        Unit::Millimetres,
+        "x_3d_mm",
         "place from the lowest vertebra on both films, to the front, by the vertical of the films; empty where the erect film has no spacing",
         |row| place_mm(row, |place| place.x),
     );
-    add.number("y_3d", Unit::Millimetres, "the same to the patient's left", |row| {
-        place_mm(row, |place| place.y)
-    });
-    add.number("z_3d", Unit::Millimetres, "the same upwards", |row| place_mm(row, |place| place.z));
+    add.number("y_3d_mm", "the same to the patient's left", |row| place_mm(row, |place| place.y));
+    add.number("z_3d_mm", "the same upwards", |row| place_mm(row, |place| place.z));
 }
 
 fn angles(add: &mut Columns<'_, VertebraRow<'_>>) {
     add.number(
-        "tilt_2d",
-        Unit::Degrees,
+        "tilt_2d_deg",
         "tilt of the axis on the erect film, against its vertical; positive to the patient's right",
         |row| row.vertebra.orientation.tilt.deg(),
     );
-    add.number("tilt_2d_sd", Unit::Degrees, "its standard deviation by the landmarks", |row| {
+    add.number("tilt_2d_sd_deg", "its standard deviation by the landmarks", |row| {
         row.vertebra.tilt_sd.deg()
     });
     add.number(
-        "pitch_2d",
-        Unit::Degrees,
+        "pitch_2d_deg",
         "angle of the axis from the vertical on the lateral film, corrected for the turn of that film; flexion positive",
         |row| row.vertebra.lateral_pitch.deg(),
     );
-    add.number("pitch_3d", Unit::Degrees, "pitch of the axis in space; flexion positive", |row| {
+    add.number("pitch_3d_deg", "pitch of the axis in space; flexion positive", |row| {
         row.vertebra.orientation.pitch.deg()
     });
     add.number(
-        "pitch_3d_sd",
-        Unit::Degrees,
+        "pitch_3d_sd_deg",
         "its standard deviation by the landmarks and the turn of the lateral film",
         |row| row.space.pitch_sd(row.vertebra).deg(),
     );
     add.number(
-        "pitch_template",
-        Unit::Degrees,
+        "pitch_template_deg",
         "pitch by the profile of a population, as in a model without the lateral film; empty for vertebrae outside of the model",
         |row| row.template.map(Angle::deg),
     );
@@ -135,20 +128,17 @@ pub(crate) fn axial(patients: &[Patient<'_>]) -> Table {
 fn rotations(add: &mut Columns<'_, AxialRow<'_>>) {
     add.text("level", "vertebra", |row| row.level.to_string());
     add.number(
-        "axial_3d",
-        Unit::Degrees,
+        "axial_3d_deg",
         "axial rotation by the distance between the pedicles (Stokes); positive where the front of the vertebra turns to the patient's left",
         |row| row.stokes.deg(),
     );
     add.number(
-        "axial_3d_sd",
-        Unit::Degrees,
+        "axial_3d_sd_deg",
         "its standard deviation by the landmarks and by how vertebrae differ between people",
         |row| row.sd.deg(),
     );
     add.number(
-        "drerup",
-        Unit::Degrees,
+        "drerup_deg",
         "the same by the width of the body (Drerup); empty where the pedicles lie too far out for it",
         |row| row.drerup.map(Angle::deg),
     );

@@ -4,7 +4,7 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticEstimate,
 };
 
-use crate::define::{Columns, ENDS_95, Unit, table};
+use crate::define::{Columns, ENDS_95, STATED, table};
 use crate::table::Table;
 
 /// A statistic of a design, or one of the limits of a pair.
@@ -103,6 +103,7 @@ fn which(add: &mut Columns<'_, StatisticRow<'_>>) {
 }
 
 fn values(add: &mut Columns<'_, StatisticRow<'_>>) {
+    add.unit = STATED;
     add.text("statistic", "key of the statistic", |row| match &row.value {
         Value::Statistic(statistic) => statistic.kind.key().to_owned(),
         Value::Limit { name, .. } => format!("bland_altman_{}", name.replace(' ', "_")),
@@ -115,20 +116,19 @@ fn values(add: &mut Columns<'_, StatisticRow<'_>>) {
             format!("{1} minus {0}", pair.raters[0], pair.raters[1])
         }
     });
-    add.number("value", Unit::Stated, "its value", |row| match row.value {
+    add.number("value", "its value", |row| match row.value {
         Value::Statistic(_) => Some(row.value.estimate()?.value),
         Value::Limit { value, .. } => Some(value),
     });
     add.number(
         "sd",
-        Unit::Stated,
         "standard deviation over pairs of raters; of a bias, over the differences",
         |row| match row.value {
             Value::Statistic(_) => row.value.estimate()?.sd,
             Value::Limit { pair, name, .. } => (name == "bias").then_some(pair.sd),
         },
     );
-    add.interval("ci95", Unit::Stated, ENDS_95, |row| row.value.interval());
+    add.interval(["ci95_low", "ci95_high"], ENDS_95, |row| row.value.interval());
     add.text("unit", "unit of the value; empty for a coefficient", |row| {
         let has_unit = match row.value {
             Value::Statistic(statistic) => statistic.kind.has_unit(),

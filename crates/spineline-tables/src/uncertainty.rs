@@ -1,7 +1,7 @@
 use spineline::uncertainty::QuantitySpread;
 
 use crate::Patient;
-use crate::define::{Columns, Row, Unit, keyed, rows};
+use crate::define::{Columns, Row, STATED, keyed, rows};
 use crate::table::Table;
 
 type SpreadRow<'a> = Row<'a, &'a QuantitySpread>;
@@ -35,14 +35,12 @@ fn which(add: &mut Columns<'_, SpreadRow<'_>>) {
 }
 
 fn spread(add: &mut Columns<'_, SpreadRow<'_>>) {
-    add.number("value", Unit::Stated, "value of the unperturbed case", |row| row.nominal.ok());
-    add.number("mean", Unit::Stated, "mean over the replicates", |row| {
-        row.spread.map(|spread| spread.mean)
-    });
-    add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| row.spread?.sd);
+    add.unit = STATED;
+    add.number("value", "value of the unperturbed case", |row| row.nominal.ok());
+    add.number("mean", "mean over the replicates", |row| row.spread.map(|spread| spread.mean));
+    add.number("sd", "standard deviation over the replicates", |row| row.spread?.sd);
     add.interval(
-        "interval_95",
-        Unit::Stated,
+        ["interval_95_low", "interval_95_high"],
         [
             "2.5 % quantile; empty where fewer than 40 replicates have a value, at a bound of the fit, and for distances, absolute errors and counter-rotating joints, which any noise makes larger",
             "97.5 % quantile, likewise",

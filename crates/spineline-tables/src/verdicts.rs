@@ -2,7 +2,7 @@
 
 use spineline::spatial::Angle;
 
-use crate::define::{Columns, Unit, table};
+use crate::define::{Columns, table};
 use crate::table::{NumberFormat::Places, Table};
 
 /// The verdict on one row of landmarks.
@@ -29,8 +29,7 @@ fn columns(add: &mut Columns<'_, RowVerdict>) {
         if row.found.is_ok() { "clean" } else { "faults" }
     });
     add.number(
-        "main_angle",
-        Unit::Degrees,
+        "main_angle_deg",
         "main angle: range of the tilts of the mean endplates from T1 to L5; empty where there are faults",
         |row| row.found.as_ref().ok().map(|angle| angle.deg()),
     )

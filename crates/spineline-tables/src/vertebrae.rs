@@ -4,7 +4,7 @@ use spineline::evaluate::Simulation;
 use spineline::measure::MeasuredVertebra;
 
 use crate::Patient;
-use crate::define::{Columns, LENGTHS, Row, Unit, keyed, rows};
+use crate::define::{Columns, LENGTHS, Row, keyed, rows};
 use crate::table::{NumberFormat, REFUSED, Series, Table};
 
 /// A vertebra on a film, and under one line of action.
@@ -118,29 +118,24 @@ fn measured(add: &mut Columns<'_, VertebraRow<'_>>) {
     add.text("level", "vertebra", |row| row.measured().level.to_string());
     add.text("lengths", LENGTHS, |row| row.posture.outline.scale.plane.key());
     add.number(
-        "measured_y",
-        Unit::Millimetres,
+        "measured_y_mm",
         "measured midpoint relative to the base's midpoint, positive to the patient's left",
         |row| row.mm(|vertebra| vertebra.location.y_mm),
     );
     add.number(
-        "measured_z",
-        Unit::Millimetres,
+        "measured_z_mm",
         "measured midpoint relative to the base's midpoint, positive upwards",
         |row| row.mm(|vertebra| vertebra.location.z_mm),
     );
-    add.number("measured_y", Unit::Pixels, "the same on films without a spacing", |row| {
+    add.number("measured_y_px", "the same on films without a spacing", |row| {
         row.px(|vertebra| vertebra.location.y_mm)
     });
-    add.number("measured_z", Unit::Pixels, "the same on films without a spacing", |row| {
+    add.number("measured_z_px", "the same on films without a spacing", |row| {
         row.px(|vertebra| vertebra.location.z_mm)
     });
-    add.number(
-        "measured_tilt",
-        Unit::Degrees,
-        "measured tilt; positive to the patient's right",
-        |row| row.measured().tilt.deg(),
-    );
+    add.number("measured_tilt_deg", "measured tilt; positive to the patient's right", |row| {
+        row.measured().tilt.deg()
+    });
     add.truth(
         "interpolated",
         "whether the film does not show the vertebra, so that its measured values are interpolated between its neighbours",
@@ -168,24 +163,17 @@ fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
         "`converged`, `unreachable`, `beyond_human_range`, `not_converged` or `fit_not_converged`; only the first is a result",
         |row| simulation(row).map(|s| s.status.key()),
     );
-    add.number(
-        "simulated_y",
-        Unit::Millimetres,
-        "simulated midpoint, positive to the patient's left",
-        |row| simulation(row).map(|s| s.shape.locations[row.index].y_mm),
-    );
-    add.number("simulated_z", Unit::Millimetres, "simulated midpoint, positive upwards", |row| {
+    add.number("simulated_y_mm", "simulated midpoint, positive to the patient's left", |row| {
+        simulation(row).map(|s| s.shape.locations[row.index].y_mm)
+    });
+    add.number("simulated_z_mm", "simulated midpoint, positive upwards", |row| {
         simulation(row).map(|s| s.shape.locations[row.index].z_mm)
     });
+    add.number("simulated_tilt_deg", "simulated tilt; positive to the patient's right", |row| {
+        simulation(row).map(|s| s.tilts[row.index].deg())
+    });
     add.number(
-        "simulated_tilt",
-        Unit::Degrees,
-        "simulated tilt; positive to the patient's right",
-        |row| simulation(row).map(|s| s.tilts[row.index].deg()),
-    );
-    add.number(
-        "location_error",
-        Unit::Millimetres,
+        "location_error_mm",
         "location error: distance of the two midpoints (E_LOC); empty for the base, which is fixed, for interpolated vertebrae, and without a result",
         |row| {
                 let found = simulation(row).filter(|s| s.is_usable())?;
