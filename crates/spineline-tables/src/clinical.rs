@@ -24,8 +24,6 @@ impl Measured<'_> {
     }
 }
 
-type ClinicalRow<'a> = Row<'a, Measured<'a>>;
-
 /// One row per patient, posture and region.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
@@ -40,7 +38,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     keyed("clinical", row, &rows, columns_of_curves)
 }
 
-fn columns_of_curves(add: &mut Columns<'_, ClinicalRow<'_>>) {
+fn columns_of_curves(add: &mut Columns<'_, Row<'_, Measured<'_>>>) {
     add.text("posture", "film", |row| row.posture.key());
     add.text("region", "region of the spine", |row| row.curve.region.key());
     add.text("lower_end", "lower end vertebra, chosen on the erect film", |row| {

@@ -28,8 +28,6 @@ impl Joint<'_> {
     }
 }
 
-type JointRow<'a> = Row<'a, Joint<'a>>;
-
 /// One row per patient, moved posture, line and joint; of a posture without a model, one per joint.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
@@ -49,7 +47,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     keyed("joints", row, &rows, columns_of_joints)
 }
 
-fn columns_of_joints(add: &mut Columns<'_, JointRow<'_>>) {
+fn columns_of_joints(add: &mut Columns<'_, Row<'_, Joint<'_>>>) {
     add.text("posture", "film", |row| row.posture.outline.posture.key());
     add.text("line", "line of action of the model", |row| {
         row.simulated.map(|(kind, _)| kind.key())

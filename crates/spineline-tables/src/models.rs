@@ -11,8 +11,6 @@ use crate::Patient;
 use crate::define::{Columns, ENDS_95, Row, keyed, rows};
 use crate::table::Table;
 
-type ModelRow<'a> = Row<'a, &'a LineModel>;
-
 fn absolute(analysis: &Analysis, model: &LineModel) -> bool {
     model.is_absolute(analysis.options.gauge)
 }
@@ -23,7 +21,7 @@ pub(crate) fn models(patients: &[Patient<'_>]) -> Table {
     keyed("models", "patient × line", &rows, columns_of_models)
 }
 
-fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
+fn columns_of_models(add: &mut Columns<'_, Row<'_, &LineModel>>) {
     add.text("line", "line of action that the stiffness was fitted with", |row| row.kind.key());
     add.text("fit_status", "`converged`, `iteration_limit`, `stalled` or `not_evaluable`", |row| {
         row.fit.status.key()
@@ -62,8 +60,6 @@ pub(crate) struct Multiplier<'a> {
     found: Option<&'a MultiplierInformation>,
 }
 
-type MultiplierRow<'a> = Row<'a, Multiplier<'a>>;
-
 /// One row per patient, line and group of joints.
 pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
@@ -83,7 +79,7 @@ pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
     keyed("multipliers", row, &rows, columns_of_multipliers)
 }
 
-fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
+fn columns_of_multipliers(add: &mut Columns<'_, Row<'_, Multiplier<'_>>>) {
     add.text("line", "line of action of the model", |row| row.model.kind.key());
     add.text("joints", "region, or joint", |row| row.model.groups.names()[row.group].clone());
     add.number(
@@ -145,8 +141,6 @@ pub(crate) struct Springs<'a> {
     personal_nmm_per_rad: [f64; 3],
 }
 
-type SpringsRow<'a> = Row<'a, Springs<'a>>;
-
 /// One row per patient, line and joint.
 pub(crate) fn springs(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
@@ -168,7 +162,7 @@ fn newton_metres(nmm_per_rad: [f64; 3], axis: usize) -> f64 {
     nmm_per_rad[axis] / 1000.0
 }
 
-fn columns_of_springs(add: &mut Columns<'_, SpringsRow<'_>>) {
+fn columns_of_springs(add: &mut Columns<'_, Row<'_, Springs<'_>>>) {
     add.text("line", "line of action of the model", |row| row.model.kind.key());
     add.text("inferior", "lower vertebra", |row| row.nominal.inferior.to_string());
     add.text("superior", "upper vertebra", |row| row.nominal.superior.to_string());
@@ -305,8 +299,6 @@ pub(crate) struct Predicted<'a> {
     mean_radius_mm: Option<f64>,
 }
 
-type PredictedRow<'a> = Row<'a, Predicted<'a>>;
-
 /// One row per patient, load and base, film and role.
 pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
@@ -324,7 +316,7 @@ pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
     keyed("hypotheses", row, &rows, columns_of_hypotheses)
 }
 
-fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
+fn columns_of_hypotheses(add: &mut Columns<'_, Row<'_, Predicted<'_>>>) {
     add.text("load_and_base", "name of the load, with the base where it is not fixed", |row| {
         row.fit.hypothesis.key()
     });

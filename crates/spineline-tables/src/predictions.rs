@@ -20,8 +20,6 @@ struct Predicted {
     radius_mm: f64,
 }
 
-type PredictedRow<'a> = Row<'a, Predicted>;
-
 /// One row per patient, predicted film, method and vertebra that the film shows.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| vertebrae(patient.analysis));
@@ -52,7 +50,7 @@ fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
     all
 }
 
-fn columns(add: &mut Columns<'_, PredictedRow<'_>>) {
+fn columns(add: &mut Columns<'_, Row<'_, Predicted>>) {
     add.text("posture", "film", |row| row.posture.key());
     add.text(
         "role",

@@ -14,8 +14,6 @@ pub(crate) struct StatisticRow {
     statistic: Statistic,
 }
 
-type ReliabilityRow<'a> = Row<'a, StatisticRow>;
-
 /// One row per patient, quantity, design and statistic; empty where every film was read once.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
@@ -37,7 +35,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     keyed("reliability", row, &rows, columns_of_statistics)
 }
 
-fn columns_of_statistics(add: &mut Columns<'_, ReliabilityRow<'_>>) {
+fn columns_of_statistics(add: &mut Columns<'_, Row<'_, StatisticRow>>) {
     add.unit = STATED;
     columns_of_design(add, |row| &row.quantity, |row| &row.design);
     add.count(

@@ -48,9 +48,7 @@ pub(crate) fn measures(patients: &[Patient<'_>]) -> Table {
     keyed("space_measures", "patient × number of the spine in space", &rows, numbers)
 }
 
-type NumberRow<'a> = Row<'a, SpatialNumber>;
-
-fn numbers(add: &mut Columns<'_, NumberRow<'_>>) {
+fn numbers(add: &mut Columns<'_, Row<'_, SpatialNumber>>) {
     add.unit = STATED;
     add.text(
         "quantity",
@@ -116,8 +114,6 @@ fn angles(add: &mut Columns<'_, VertebraRow<'_>>) {
     );
 }
 
-type AxialRow<'a> = Row<'a, &'a AxialRotation>;
-
 /// One row per patient and vertebra whose pedicles are marked.
 pub(crate) fn axial(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| &patient.analysis.movement.axial);
@@ -125,7 +121,7 @@ pub(crate) fn axial(patients: &[Patient<'_>]) -> Table {
     keyed("axial_rotation", row, &rows, rotations)
 }
 
-fn rotations(add: &mut Columns<'_, AxialRow<'_>>) {
+fn rotations(add: &mut Columns<'_, Row<'_, &AxialRotation>>) {
     add.text("level", "vertebra", |row| row.level.to_string());
     add.number(
         "axial_3d_deg",

@@ -4,15 +4,13 @@ use crate::Patient;
 use crate::define::{Columns, Row, keyed, rows};
 use crate::table::Table;
 
-type WarningRow<'a> = Row<'a, &'a Warning>;
-
 /// One row per patient and warning.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| patient.analysis.all_warnings());
     keyed("warnings", "patient × warning", &rows, columns)
 }
 
-fn columns(add: &mut Columns<'_, WarningRow<'_>>) {
+fn columns(add: &mut Columns<'_, Row<'_, &Warning>>) {
     add.text("severity", "`note`, `warning` or `contradiction`", |row| row.code.severity().key());
     add.text("code", "stable key of the warning", |row| row.code.key());
     add.text("step", "step of the method that raised it", |row| row.code.step().key());
