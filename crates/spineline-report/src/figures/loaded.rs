@@ -2,10 +2,11 @@
 
 use kuva::render::render::{Primitive, TextAnchor};
 use spineline::anatomy::Level;
-use spineline::multibody::{BodyLoad, Deformed, Loading, SpineModel};
+use spineline::multibody::{BodyLoad, Deformed};
 use spineline::number::fixed;
-use spineline::response::{ActingKind, ActingLoad, Response, acting_loads, erect_shape};
+use spineline::response::{ActingKind, ActingLoad, acting_loads, erect_shape};
 use spineline::spatial::{Frontal, Vec3};
+use spineline_files::Simulated;
 
 use super::arrows::{arrow, bar, turning};
 use super::frontal::{Extent, VIEW, View, drawn, fit_in_row, frontal_panel, gaps_px};
@@ -38,43 +39,21 @@ const STRAP: Ink = Ink::new(GREEN, "", 1.4);
 const ROD: Ink = Ink::new(ORANGE, "", 4.0);
 const MOMENT: Ink = Ink::new(PURPLE, "", 1.8);
 
-/// What [`loaded_spine`] draws.
-#[derive(Debug, Clone, Copy)]
-pub struct LoadedSpine<'a> {
-    /// Case of the model.
-    pub case_id: &'a str,
-    /// Whether that case is synthetic.
-    pub synthetic: bool,
-    /// Unit of forces.
-    pub force_unit: &'a str,
-    /// The vertebrae by name.
-    pub levels: &'a [Level],
-    /// The unloaded spine.
-    pub model: &'a SpineModel,
-    /// Loads.
-    pub loading: &'a Loading,
-    /// For every item of the loading, the place of its load among the words.
-    pub load_of_item: &'a [usize],
-    /// Text of every load.
-    pub load_words: &'a [String],
-    /// Response of the spine.
-    pub response: &'a Response,
-}
-
 /// A spine under loads from behind and from the right, with its erect shape and the loads.
 ///
 /// Without a result, the nearest shape is drawn in another way, and both panels say `not a result` with the status.
 #[must_use]
-pub fn loaded_spine(input: &LoadedSpine<'_>) -> String {
-    let title = format!("Spine under loads, case {}", input.case_id);
-    let mut page = Page::new(title, input.synthetic);
+pub fn loaded_spine(input: &Simulated) -> String {
+    let title = format!("Spine under loads, case {}", input.model.case_id);
+    let mut page = Page::new(title, input.model.synthetic);
     let sagittal = "Right panel: seen from the patient's right, the front is on the right.";
     page.notes.push(format!("Left panel: {VIEW} {sagittal}"));
-    for (number, words) in input.load_words.iter().enumerate() {
-        page.notes.push(format!("Load {}: {words}", number + 1));
+    let force_unit = input.model.force_unit();
+    for (number, load) in input.loads.loads.iter().enumerate() {
+        page.notes.push(format!("Load {}: {}", number + 1, load.words(force_unit)));
     }
-    page.notes.push(format!("Forces in {}. {}", input.force_unit, state_words(input)));
-    let shape = input.response.shape().cloned().unwrap_or_else(|| erect_shape(input.model));
+    page.notes.push(format!("Forces in {force_unit}. {}", state_words(input)));
+    let shape = input.response.shape().cloned().unwrap_or_else(|| erect_shape(&input.model.spine));
     let acting = acting(input, &shape);
     legend(&mut page, input, &acting);
     let views = [View::Behind, View::Right];
@@ -85,7 +64,7 @@ pub fn loaded_spine(input: &LoadedSpine<'_>) -> String {
     }
     let row_px = page.inner_px() - gaps_px(&[true, true]);
     let (px_per_mm, extents) = fit_in_row(extents, row_px, TALL_PX);
-    let base = input.levels[0];
+    let base = input.model.levels[0];
     let panels = views.iter().zip(extents).map(|(&view, extent)| {
         let mut panel = frontal_panel(extent, px_per_mm, base);
         if view == View::Right {
@@ -99,8 +78,8 @@ pub fn loaded_spine(input: &LoadedSpine<'_>) -> String {
 }
 
 /// Load factor of the shape, and its kind.
-fn state_words(input: &LoadedSpine<'_>) -> String {
-    let response = input.response;
+fn state_words(input: &Simulated) -> String {
+    let response = &input.response;
     match (response.result(), response.nearest()) {
         (Some(result), _) => {
             format!(
@@ -119,25 +98,25 @@ fn state_words(input: &LoadedSpine<'_>) -> String {
 }
 
 /// The loads on the shape; without a result, pads and straps have no force.
-fn acting(input: &LoadedSpine<'_>, shape: &Deformed) -> Vec<ActingLoad> {
+fn acting(input: &Simulated, shape: &Deformed) -> Vec<ActingLoad> {
     match (input.response.result(), input.response.nearest()) {
         (Some(result), _) => {
-            acting_loads(input.loading, shape, result.factor, &result.spring_forces_n)
+            acting_loads(&input.placed.loading, shape, result.factor, &result.spring_forces_n)
         }
-        (None, Some(point)) => acting_loads(input.loading, shape, point.factor, &[]),
+        (None, Some(point)) => acting_loads(&input.placed.loading, shape, point.factor, &[]),
         (None, None) => Vec::new(),
     }
 }
 
-fn shape_style(input: &LoadedSpine<'_>) -> (Ink, Marker) {
+fn shape_style(input: &Simulated) -> (Ink, Marker) {
     if input.response.result().is_some() { RESULT } else { NO_RESULT }
 }
 
-fn legend(page: &mut Page, input: &LoadedSpine<'_>, acting: &[ActingLoad]) {
+fn legend(page: &mut Page, input: &Simulated, acting: &[ActingLoad]) {
     page.entry(ERECT, "erect, before the loads");
     let words = if input.response.result().is_some() { "under load" } else { "not a result" };
     page.entry(shape_style(input), words);
-    let items = &input.loading.items;
+    let items = &input.placed.loading.items;
     let some = |kind: fn(&BodyLoad) -> bool| items.iter().any(|item| kind(&item.load));
     if acting.iter().any(|load| matches!(load.kind, ActingKind::Force(_))) {
         page.entry(FORCE, "force (arrows in proportion)");
@@ -151,30 +130,26 @@ fn legend(page: &mut Page, input: &LoadedSpine<'_>, acting: &[ActingLoad]) {
     if some(|load| matches!(load, BodyLoad::Moment { .. } | BodyLoad::FollowerMoment { .. })) {
         page.entry(MOMENT, "moment (its part about the line of sight)");
     }
-    if !input.loading.rods.is_empty() {
+    if !input.placed.loading.rods.is_empty() {
         page.entry(ROD, "rod");
     }
 }
 
 /// Length of a force's arrow, and whether it ends where it acts, as a pad's does.
-fn arrow_mm(
-    input: &LoadedSpine<'_>,
-    acting: &[ActingLoad],
-    load: &ActingLoad,
-) -> Option<(Vec3, bool)> {
+fn arrow_mm(input: &Simulated, acting: &[ActingLoad], load: &ActingLoad) -> Option<(Vec3, bool)> {
     let size = |load: &ActingLoad| match load.kind {
         ActingKind::Force(force) => force.norm(),
         ActingKind::Moment(_) => 0.0,
     };
     let strongest = acting.iter().map(size).fold(f64::MIN_POSITIVE, f64::max);
     let ActingKind::Force(force) = load.kind else { return None };
-    let pushes = matches!(input.loading.items[load.item].load, BodyLoad::Pad { .. });
+    let pushes = matches!(input.placed.loading.items[load.item].load, BodyLoad::Pad { .. });
     Some((force * (MAX_ARROW_MM / strongest), pushes))
 }
 
-fn extent(input: &LoadedSpine<'_>, shape: &Deformed, acting: &[ActingLoad], view: View) -> Extent {
+fn extent(input: &Simulated, shape: &Deformed, acting: &[ActingLoad], view: View) -> Extent {
     let flat = |points: &[Vec3]| points.iter().map(|p| view.flat(p)).collect::<Vec<_>>();
-    let erect = Extent::of(flat(&input.model.midpoints_mm));
+    let erect = Extent::of(flat(&input.model.spine.midpoints_mm));
     let around = erect.grown([MAX_DISTANCE_MM; 2]);
     let usable = input.response.result().is_some();
     let loaded = Extent::of(flat(&shape.midpoints_mm));
@@ -183,7 +158,7 @@ fn extent(input: &LoadedSpine<'_>, shape: &Deformed, acting: &[ActingLoad], view
         let (along, pushes) = arrow_mm(input, acting, load)?;
         Some(if pushes { load.point_mm - along } else { load.point_mm + along })
     });
-    let anchors = input.loading.items.iter().filter_map(|item| match item.load {
+    let anchors = input.placed.loading.items.iter().filter_map(|item| match item.load {
         BodyLoad::Strap { anchor_mm, .. } => Some(anchor_mm),
         _ => None,
     });
@@ -191,13 +166,7 @@ fn extent(input: &LoadedSpine<'_>, shape: &Deformed, acting: &[ActingLoad], view
     spine.union(loads.common(spine.grown([MAX_DISTANCE_MM; 2])))
 }
 
-fn fill(
-    panel: &mut Panel,
-    input: &LoadedSpine<'_>,
-    shape: &Deformed,
-    acting: &[ActingLoad],
-    view: View,
-) {
+fn fill(panel: &mut Panel, input: &Simulated, shape: &Deformed, acting: &[ActingLoad], view: View) {
     panel.heading(HeadingKind::Title, view.words());
     if input.response.result().is_none() {
         let words = format!("not a result ({})", input.response.ending.key());
@@ -205,12 +174,12 @@ fn fill(
             panel.heading(HeadingKind::Alarm, line);
         }
     }
-    for rod in &input.loading.rods {
+    for rod in &input.placed.loading.rods {
         let ends = [rod.inferior, rod.superior].map(|v| view.flat(&shape.midpoints_mm[v]));
         panel.curves.push((ROD, ends.map(drawn).to_vec()));
     }
     let style = shape_style(input);
-    let erect = erect_shape(input.model);
+    let erect = erect_shape(&input.model.spine);
     // The axis of a vertebra that runs across the picture: its x from the right, its y from behind.
     let across = usize::from(view == View::Behind);
     for (shape, (ink, marker)) in [(&erect, ERECT), (shape, style)] {
@@ -222,7 +191,7 @@ fn fill(
         }
         panel.spine(&points, ink, marker);
     }
-    end_names(panel, input.levels, &erect, view);
+    end_names(panel, &input.model.levels, &erect, view);
     for load in acting {
         draw_load(panel, input, acting, load, view);
     }
@@ -251,7 +220,7 @@ fn end_names(panel: &mut Panel, levels: &[Level], erect: &Deformed, view: View) 
 
 fn draw_load(
     panel: &mut Panel,
-    input: &LoadedSpine<'_>,
+    input: &Simulated,
     acting: &[ActingLoad],
     load: &ActingLoad,
     view: View,
@@ -260,7 +229,7 @@ fn draw_load(
         let (x, z) = drawn(view.flat(point));
         panel.px(x, z)
     };
-    let item = &input.loading.items[load.item];
+    let item = &input.placed.loading.items[load.item];
     match item.load {
         BodyLoad::ForceOnLine { force_n, .. } => {
             let far = force_n * (2000.0 / force_n.norm().max(f64::MIN_POSITIVE));
@@ -308,13 +277,9 @@ fn draw_load(
 }
 
 /// The number of a load beyond the free end of its arrow; slices of gravity have no number.
-fn number(
-    input: &LoadedSpine<'_>,
-    item: usize,
-    arrow: ((f64, f64), (f64, f64)),
-) -> Option<Primitive> {
-    let load = input.load_of_item[item];
-    let alone = input.load_of_item.iter().filter(|other| **other == load).count() == 1;
+fn number(input: &Simulated, item: usize, arrow: ((f64, f64), (f64, f64))) -> Option<Primitive> {
+    let load = input.placed.load_of_item[item];
+    let alone = input.placed.load_of_item.iter().filter(|other| **other == load).count() == 1;
     let (from, to) = arrow;
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let beyond = 10.0 / dx.hypot(dy).max(1.0);

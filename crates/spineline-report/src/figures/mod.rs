@@ -67,7 +67,7 @@ pub use counts::{FlowStep, exclusions, lenke_types};
 pub use films::{FilmPicture, films};
 pub use identification::line_identification;
 pub use lateral_bias::lateral_bias;
-pub use loaded::{LoadedSpine, loaded_spine};
+pub use loaded::loaded_spine;
 pub use noise::{NoiseCurve, NoisePanel, NoiseRow, NoiseScenario, noise_study};
 pub use overview::case_overview;
 pub use prediction::predictions;

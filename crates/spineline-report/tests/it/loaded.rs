@@ -1,64 +1,72 @@
 //! The figure of a spine under loads has labels, and shapes without a result are drawn differently.
 
+use spineline::action::LineKind;
+use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::Level;
-use spineline::multibody::{
-    BodyLoad, GeneralStatics, Goal, Loading, PathEnding, SpineModel, Support,
-};
-use spineline::response::{Response, go_on, respond};
+use spineline::multibody::{Goal, PathEnding, SpineModel, Support, Timing};
+use spineline::response::go_on;
 use spineline::spatial::{Mat3, Vec3};
-use spineline_report::figures::{LoadedSpine, loaded_spine};
+use spineline_files::{AppliedLoad, LoadFile, Simulated};
+use spineline_report::figures::loaded_spine;
 
 /// Vertebrae upon one another, bent a little to the left.
-fn model() -> SpineModel {
+fn model(synthetic: bool) -> PersonalisedModel {
     let place = |i: usize| Vec3::new(0.0, 0.02 * (14.0 - i as f64) * i as f64, 25.0 * i as f64);
     let midpoints = (0..15).map(place).collect();
-    SpineModel::from_poses(
-        midpoints,
-        vec![Mat3::identity(); 15],
-        &[Vec3::new(-15.0, 0.0, 10.0); 14],
-    )
-}
-
-fn response(model: &SpineModel, loading: &Loading) -> Response {
-    let springs = vec![Mat3::identity() * 1.5e5; 14];
-    let statics = GeneralStatics::new(model, springs, Support::Free).expect("sound springs");
-    respond(&statics, loading, Goal::FullLoad, 2.0, &mut go_on).expect("sound loads")
-}
-
-fn picture(synthetic: bool, load: BodyLoad, ending: Option<PathEnding>) -> String {
-    let (model, loading) = (model(), Loading::single(14, load));
-    let mut response = response(&model, &loading);
-    response.ending = ending.unwrap_or(response.ending);
-    loaded_spine(&LoadedSpine {
-        case_id: "test <1> & co",
+    PersonalisedModel {
+        case_id: "test <1> & co".to_owned(),
         synthetic,
-        force_unit: "relative units, not newtons",
-        levels: &Level::MODEL,
-        model: &model,
-        loading: &loading,
-        load_of_item: &[0],
-        load_words: &["one load".to_owned()],
-        response: &response,
-    })
+        line: LineKind::Inflection,
+        absolute: false,
+        carried_body_mass_kg: None,
+        levels: Level::MODEL.to_vec(),
+        pitch_from: vec![None; 15],
+        axial_from: vec![None; 15],
+        widths_mm: vec![None; 15],
+        spine: SpineModel::from_poses(
+            midpoints,
+            vec![Mat3::identity(); 15],
+            &[Vec3::new(-15.0, 0.0, 10.0); 14],
+        ),
+        stiffness_nmm_per_rad: vec![[1.5e5; 3]; 14],
+        stiffness: vec![Mat3::identity() * 1.5e5; 14],
+        curves: None,
+        support: Support::Free,
+        loads: Vec::new(),
+        doubts: Vec::new(),
+    }
 }
 
-fn loads() -> [(BodyLoad, &'static str); 4] {
-    let zero = Vec3::zeros();
-    let left = Vec3::new(0.0, 20.0, 0.0);
-    let (point_mm, anchor_mm) = (Vec3::new(0.0, 0.0, 300.0), Vec3::new(0.0, 150.0, 300.0));
+fn picture(synthetic: bool, load: &AppliedLoad, ending: Option<PathEnding>) -> String {
+    let loads = LoadFile::new(vec![load.clone()]);
+    let (goal, limit) = (Goal::FullLoad, Some(2.0));
+    let found = Simulated::of(model(synthetic), loads, goal, limit, Vec::new(), &mut go_on);
+    let mut found = found.expect("sound loads");
+    found.response.ending = ending.unwrap_or(found.response.ending);
+    loaded_spine(&found)
+}
+
+fn loads() -> [(AppliedLoad, &'static str); 4] {
+    let (level, timing) = (Level::T2, Timing::Proportional);
+    let (force_n, zero) = ([0.0, 20.0, 0.0], [0.0; 3]);
     [
         (
-            BodyLoad::ForceAtPoint { force_n: left, point_in_vertebra_mm: zero },
+            AppliedLoad::ForceAtPoint { level, force_n, point_in_vertebra_mm: zero, timing },
             "arrows in proportion",
         ),
-        (BodyLoad::ForceOnLine { force_n: left, point_mm }, "fixed in space"),
-        (BodyLoad::Moment { moment_nmm: Vec3::new(2000.0, 0.0, 0.0) }, "moment"),
         (
-            BodyLoad::Strap {
+            AppliedLoad::ForceOnLine { level, force_n, point_mm: [0.0, 0.0, 300.0], timing },
+            "fixed in space",
+        ),
+        (AppliedLoad::Moment { level, moment_nmm: [2000.0, 0.0, 0.0], timing }, "moment"),
+        (
+            AppliedLoad::Strap {
+                level,
                 point_in_vertebra_mm: zero,
-                anchor_mm,
+                anchor_mm: [0.0, 150.0, 300.0],
                 n_per_mm: 1.0,
                 shortening_mm: 9.0,
+                timing,
             },
             "strap",
         ),
@@ -68,7 +76,7 @@ fn loads() -> [(BodyLoad, &'static str); 4] {
 #[test]
 fn every_kind_of_load_is_drawn_and_named() {
     for (load, words) in loads() {
-        let svg = picture(true, load, None);
+        let svg = picture(true, &load, None);
         assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"), "{words}");
         assert_eq!(svg.matches("<g").count(), svg.matches("</g>").count(), "{words}");
         for words in [
@@ -80,13 +88,13 @@ fn every_kind_of_load_is_drawn_and_named() {
             "FRONT",
             "not newtons",
             "T2",
-            "one load",
+            "Load 1:",
         ] {
             assert!(svg.contains(words), "{words}");
         }
         assert!(!svg.contains("NaN") && !svg.contains("not a result"));
-        assert_eq!(svg, picture(true, load, None), "the same input makes the same bytes");
-        assert!(!picture(false, load, None).contains("synthetic"));
+        assert_eq!(svg, picture(true, &load, None), "the same input makes the same bytes");
+        assert!(!picture(false, &load, None).contains("synthetic"));
     }
 }
 
@@ -94,7 +102,7 @@ fn every_kind_of_load_is_drawn_and_named() {
 fn shapes_without_a_result_are_drawn_differently() {
     for (load, _) in loads() {
         let (good, bad) =
-            (picture(true, load, None), picture(true, load, Some(PathEnding::LimitPoint)));
+            (picture(true, &load, None), picture(true, &load, Some(PathEnding::LimitPoint)));
         assert_eq!(bad.matches(">not a result (limit_point)<").count(), 2, "on both panels");
         assert!(bad.contains("Not a result (limit_point)") && good.contains(">under load<"));
         assert!(!bad.contains(">under load<"));

@@ -10,7 +10,7 @@ use spineline::spatial::Angle;
 use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::{LoadFile, Simulated, SimulationError, SimulationFile, SimulationWarning};
 use spineline_report::document::Notice;
-use spineline_report::figures::{self, loaded_spine};
+use spineline_report::figures::loaded_spine;
 use spineline_report::loaded_tables::LoadedTables;
 use spineline_tables::{LoadedShape, LoadedSpine, Table, loaded_measures_table, path_table};
 
@@ -135,20 +135,7 @@ impl Outcome {
     }
 
     pub fn svg(&self) -> String {
-        let force_unit = self.model.force_unit();
-        let words = self.loads.loads.iter().map(|load| load.words(force_unit));
-        let words: Vec<String> = words.collect();
-        loaded_spine(&figures::LoadedSpine {
-            case_id: &self.model.case_id,
-            synthetic: self.model.synthetic,
-            force_unit,
-            levels: &self.model.levels,
-            model: &self.model.spine,
-            loading: &self.placed.loading,
-            load_of_item: &self.placed.load_of_item,
-            load_words: &words,
-            response: &self.response,
-        })
+        loaded_spine(&self.simulated)
     }
 }
 
