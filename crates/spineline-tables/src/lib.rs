@@ -40,7 +40,7 @@ pub use cohort_tests::cohort_tests_table;
 pub use data::Patient;
 pub use dictionary::{dictionary, dictionary_markdown};
 pub use error::TableError;
-pub use loaded::{LoadedSpine, loaded_measures_table};
+pub use loaded::loaded_measures_table;
 pub use merge::{CsvMerger, MergeError, ParquetMerger, csv_case_ids, parquet_case_ids};
 pub use noise_study::{NoisePoint, noise_study_table};
 pub use path::{LoadedShape, path_table};

@@ -2,41 +2,30 @@
 
 use spineline::response::{LoadedMeasure, LoadedState};
 use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
+use spineline_files::Simulated;
 
 use crate::define::{Columns, STATED, table};
 use crate::table::Table;
 
-/// A spine before and under loads.
-#[derive(Debug, Clone, Copy)]
-pub struct LoadedSpine<'a> {
-    /// Patient.
-    pub case_id: &'a str,
-    /// Whether the patient of the model is synthetic.
-    pub synthetic: bool,
-    /// How the search ended.
-    pub status: &'static str,
-    /// The measures.
-    pub measures: &'a [LoadedMeasure],
-    /// Replicates under the same loads, where requested.
-    pub uncertainty: Option<&'a LoadedUncertainty>,
-}
-
 pub(crate) struct Number<'a> {
-    spine: LoadedSpine<'a>,
+    simulated: &'a Simulated,
+    uncertainty: Option<&'a LoadedUncertainty>,
     measure: LoadedMeasure,
     state: LoadedState,
     spread: Option<&'a LoadedSpread>,
 }
 
-/// One row per number of a spine before and under loads.
+/// One row per number of a spine before and under loads, with the replicates under the same loads where there are any.
 #[must_use]
-pub fn loaded_measures_table(spine: LoadedSpine<'_>) -> Table {
-    let numbers = spine.measures.iter().flat_map(|&measure| {
-        LoadedState::ALL.into_iter().map(move |state| Number {
-            spine,
-            measure,
-            state,
-            spread: spine.uncertainty.and_then(|found| found.of(measure.quantity, state)),
+pub fn loaded_measures_table(
+    simulated: &Simulated,
+    measures: &[LoadedMeasure],
+    uncertainty: Option<&LoadedUncertainty>,
+) -> Table {
+    let numbers = measures.iter().flat_map(|&measure| {
+        LoadedState::ALL.into_iter().map(move |state| {
+            let spread = uncertainty.and_then(|found| found.of(measure.quantity, state));
+            Number { simulated, uncertainty, measure, state, spread }
         })
     });
     let exists = |row: &Number<'_>| row.measure.value(row.state).is_some() || row.spread.is_some();
@@ -51,11 +40,13 @@ pub(crate) fn of_numbers(all: &[Number<'_>]) -> Table {
 }
 
 fn which(add: &mut Columns<'_, Number<'_>>) {
-    add.text("case_id", "patient", |row| row.spine.case_id);
+    add.text("case_id", "patient", |row| row.simulated.model.case_id.clone());
     add.truth("synthetic", "whether the patient of the model is synthetic", |row| {
-        row.spine.synthetic
+        row.simulated.model.synthetic
     });
-    add.text("status", "how the search ended; the same in every row", |row| row.spine.status);
+    add.text("status", "how the search ended; the same in every row", |row| {
+        row.simulated.response.ending.key()
+    });
     add.text(
         "quantity",
         "`cobb`, `tilt_range` or `ferguson` of a curve, positive where convex to the patient's left; `lateral_tilt` and `top_tilt`, positive to the right; `top_offset` and `coronal_balance`, positive to the left; or the `factor` of a search",
@@ -87,6 +78,6 @@ fn numbers(add: &mut Columns<'_, Number<'_>>) {
         Some(row.spread?.count as usize)
     });
     add.count("replicates_done", "number of replicates; the others have no result", |row| {
-        Some(row.spine.uncertainty?.done as usize)
+        Some(row.uncertainty?.done as usize)
     });
 }

@@ -12,7 +12,7 @@ use spineline_files::{LoadFile, Simulated, SimulationError, SimulationFile, Simu
 use spineline_report::document::Notice;
 use spineline_report::figures::loaded_spine;
 use spineline_report::loaded_tables::LoadedTables;
-use spineline_tables::{LoadedShape, LoadedSpine, Table, loaded_measures_table, path_table};
+use spineline_tables::{LoadedShape, Table, loaded_measures_table, path_table};
 
 use super::args::SimulateArgs;
 use super::replicates::Source;
@@ -86,13 +86,8 @@ impl Outcome {
 
     /// What is measured before and under the loads, as a table.
     pub fn measures(&self) -> Table {
-        loaded_measures_table(LoadedSpine {
-            case_id: &self.model.case_id,
-            synthetic: self.model.synthetic,
-            status: self.response.ending.key(),
-            measures: &self.tables().measures(),
-            uncertainty: self.uncertainty.as_ref(),
-        })
+        let measures = self.tables().measures();
+        loaded_measures_table(&self.simulated, &measures, self.uncertainty.as_ref())
     }
 
     /// The shapes of both paths as a table. Positive Cobb angles, tilt ranges and Ferguson angles are convex to the patient's
