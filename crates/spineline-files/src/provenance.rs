@@ -75,18 +75,18 @@ impl FilmOrigin {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Provenance {
     /// Program and its version.
-    program: String,
+    pub program: String,
     /// Words of its command line.
-    command: Vec<String>,
+    pub command: Vec<String>,
     /// In UTC; the time that `SOURCE_DATE_EPOCH` names, where it is set.
-    date_utc: String,
+    pub date_utc: String,
     /// Whether the films are `synthetic`, `real`, or `synthetic_and_real`.
-    films: FilmOrigin,
+    pub films: FilmOrigin,
     /// The cases with results in the file; absent without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    case_ids: Vec<String>,
+    pub case_ids: Vec<String>,
     /// Files that were read.
-    inputs: Vec<InputFile>,
+    pub inputs: Vec<InputFile>,
     /// Seed of everything random; absent if nothing is random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) seed: Option<u64>,
@@ -203,42 +203,6 @@ impl Provenance {
         self.seed = Some(seed);
         self
     }
-
-    /// Program and its version.
-    #[must_use]
-    pub fn program(&self) -> &str {
-        &self.program
-    }
-
-    /// Words of the command line.
-    #[must_use]
-    pub fn command(&self) -> &[String] {
-        &self.command
-    }
-
-    /// When it was made.
-    #[must_use]
-    pub fn date_utc(&self) -> &str {
-        &self.date_utc
-    }
-
-    /// The cases with results in the file.
-    #[must_use]
-    pub fn case_ids(&self) -> &[String] {
-        &self.case_ids
-    }
-
-    /// Files that were read.
-    #[must_use]
-    pub fn inputs(&self) -> &[InputFile] {
-        &self.inputs
-    }
-
-    /// Whether the films are synthetic.
-    #[must_use]
-    pub const fn films(&self) -> FilmOrigin {
-        self.films
-    }
 }
 
 /// Format of a provenance file.
@@ -257,21 +221,16 @@ pub struct ProvenanceFile {
     format: String,
     version: u32,
     /// The files that it is of, with the hashes of their bytes.
-    of: Vec<InputFile>,
+    #[serde(rename = "of")]
+    pub files: Vec<InputFile>,
     provenance: Provenance,
 }
 
 impl ProvenanceFile {
     /// Of files beside it.
     #[must_use]
-    pub fn new(of: Vec<InputFile>, provenance: Provenance) -> Self {
-        Self { format: PROVENANCE_FORMAT.to_owned(), version: VERSION, of, provenance }
-    }
-
-    /// The files that it is of.
-    #[must_use]
-    pub fn files(&self) -> &[InputFile] {
-        &self.of
+    pub fn new(files: Vec<InputFile>, provenance: Provenance) -> Self {
+        Self { format: PROVENANCE_FORMAT.to_owned(), version: VERSION, files, provenance }
     }
 
     /// What they depend on.

@@ -89,7 +89,7 @@ impl StoredRotationPrior {
 /// Reads a prior of joint rotations from the text of its file.
 pub fn parse_rotation_prior(text: &str) -> Result<StoredRotationPrior, FileError> {
     let file = parse::<RotationPriorFile>(text, FORMAT, VERSION)?;
-    let learned_from = file.provenance.inputs().iter().map(|input| input.sha256.clone()).collect();
+    let learned_from = file.provenance.inputs.iter().map(|input| input.sha256.clone()).collect();
     Ok(StoredRotationPrior {
         prior: file.prior.prior()?,
         learned_from,
@@ -119,7 +119,7 @@ impl RotationPriorFile {
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
-            synthetic: provenance.films() != FilmOrigin::Real,
+            synthetic: provenance.films != FilmOrigin::Real,
             case_ids,
             tilt,
             prior: record,

@@ -199,7 +199,7 @@ impl Analysis {
         let then = parse_json(text).map_err(Fault::from)?;
         found.warnings.merge(&picture_warnings(&then));
         // The file does not say which of its inputs the case was read from: films may come from Python, and options from files.
-        let stated = stored.provenance.inputs().iter().map(|input| input.sha256.clone());
+        let stated = stored.provenance.inputs.iter().map(|input| input.sha256.clone());
         let origin = origin.unwrap_or_else(|| Origin::of(stated.collect()));
         let again = Self {
             file: Arc::new(stored.case_file),
@@ -219,7 +219,7 @@ impl Analysis {
             "{}: this version of Spineline ({}) finds other results than {}, which wrote the analysis",
             again.analysis.case_id,
             generator(),
-            again.provenance.program()
+            again.provenance.program
         );
         let help = "install the same version everywhere, or compare both with `spineline rerun`";
         Err(Fault::new(what, help).into())
@@ -274,7 +274,7 @@ impl Analysis {
     /// SHA-256 of every known file that it was made from: of the case, and of its options.
     #[getter]
     pub fn sources(&self) -> Vec<String> {
-        let inputs = self.provenance.inputs().iter().map(|input| input.sha256.clone());
+        let inputs = self.provenance.inputs.iter().map(|input| input.sha256.clone());
         self.case().sources().into_iter().chain(inputs).collect()
     }
 

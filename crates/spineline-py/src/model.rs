@@ -11,7 +11,7 @@ use spineline::multibody::{Goal, Support};
 use spineline::response::{CurveAngles, measure_angles};
 use spineline::spatial::Angle;
 use spineline_files::{
-    ExportFormat, ModelFile, Provenance, Simulated, export, parse_load, parse_model, results_text,
+    ExportFormat, ModelFile, Simulated, export, parse_load, parse_model, results_text,
     text_with_hash, to_text,
 };
 
@@ -36,7 +36,7 @@ pub struct Model {
 #[pyo3(signature = (text, sources = None))]
 pub fn parse_model_text(text: String, sources: Option<Vec<String>>) -> Result<Model, Fault> {
     let stored = parse_model(&text)?;
-    let inputs = stored.provenance.iter().flat_map(Provenance::inputs);
+    let inputs = stored.provenance.iter().flat_map(|provenance| &provenance.inputs);
     let stated = inputs.map(|input| input.sha256.clone());
     let sources = sources.unwrap_or_else(|| stated.collect());
     let model = stored.model;

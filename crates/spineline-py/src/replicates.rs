@@ -75,7 +75,7 @@ impl Replicates {
         }
         let analysis = of.get();
         let films = FilmOrigin::of([analysis.case.synthetic]);
-        let inputs = analysis.provenance.inputs().to_vec();
+        let inputs = analysis.provenance.inputs.clone();
         let request = Request { replicates: Some(asked), ..analysis.request.clone() };
         let provenance = Provenance::new(run(command, date_utc), films, inputs);
         let provenance = provenance.of_cases([analysis.case.id.clone()]).asking(&request);

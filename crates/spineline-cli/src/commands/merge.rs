@@ -96,7 +96,7 @@ impl Part {
         }
         let list = read_text(&path).and_then(|text| parse_provenance(&text));
         let list = list.map_err(|error| Failure::file(&path, &error))?;
-        let shard = Shard::of_command(list.provenance().command());
+        let shard = Shard::of_command(&list.provenance().command);
         Ok(Self { folder: folder.to_owned(), list, shard })
     }
 
@@ -105,7 +105,7 @@ impl Part {
     }
 
     fn files(&self) -> impl Iterator<Item = &InputFile> {
-        self.list.files().iter()
+        self.list.files.iter()
     }
 
     /// A table, which must be as it was written.

@@ -65,7 +65,7 @@ impl Report<'_> {
             FormName::Html => outputs.write(out, html(self.document)),
             FormName::Md => self.write_markdown(out, outputs),
             FormName::Pdf => {
-                outputs.write(out, pdf::pdf(self.document, self.provenance.date_utc())?)
+                outputs.write(out, pdf::pdf(self.document, &self.provenance.date_utc)?)
             }
         }
     }

@@ -33,7 +33,7 @@ pub fn write(
         outputs.write(&folder.join(format!("patient-{group}.html")), html(&patient))?;
         #[cfg(feature = "pdf")]
         {
-            let pdf = crate::run::pdf::pdf(&patient, provenance.date_utc())?;
+            let pdf = crate::run::pdf::pdf(&patient, &provenance.date_utc)?;
             outputs.write(&folder.join(format!("patient-{group}.pdf")), pdf)?;
         }
     }

@@ -216,8 +216,8 @@ impl Repeated {
             // Fewer replicates than then would only look like a difference.
             return Err(Failure::interrupted());
         }
-        let inputs = stored.provenance.inputs().to_vec();
-        let provenance = Provenance::new(this_run()?, stored.provenance.films(), inputs)
+        let inputs = stored.provenance.inputs.clone();
+        let provenance = Provenance::new(this_run()?, stored.provenance.films, inputs)
             .of_cases([case.id.clone()])
             .asking(request);
         let file = AnalysisFile::new(&analysis, stored.case_file.clone(), provenance.clone());
@@ -230,17 +230,17 @@ impl Repeated {
     fn add_to(&self, text: &mut Lines, args: &RerunArgs, origin: Origin) {
         let (then, now) = (&self.stored.provenance, &self.provenance);
         let synthetic = if self.stored.case.synthetic { " · SYNTHETIC" } else { "" };
-        let (case, date) = (&self.stored.case.id, then.date_utc());
-        text.line(format!("{case}{synthetic} · analysed {date} by {}", then.program()));
-        let command = format!("Then: {}", then.command().join(" "));
+        let (case, date) = (&self.stored.case.id, &then.date_utc);
+        text.line(format!("{case}{synthetic} · analysed {date} by {}", then.program));
+        let command = format!("Then: {}", then.command.join(" "));
         text.text(&terminal::paragraph(&command, width(), "  "));
-        if then.program() == now.program() {
-            text.line(format!("  Version: the same, {}", now.program()));
+        if then.program == now.program {
+            text.line(format!("  Version: the same, {}", now.program));
         } else {
-            text.line(format!("  Version: then {}, now {}", then.program(), now.program()));
+            text.line(format!("  Version: then {}, now {}", then.program, now.program));
         }
         text.text(&terminal::paragraph(origin.words(), width(), "  "));
-        for input in then.inputs() {
+        for input in &then.inputs {
             let said = format!("Input {}: {}", input.name, input_words(&args.file, input));
             text.text(&terminal::paragraph(&said, width(), "  "));
         }

@@ -43,6 +43,6 @@ fn listed(file: &Path, bytes: &[u8]) -> Option<BTreeSet<String>> {
         .filter_map(|entry| Some(entry.ok()?.path()))
         .filter(|path| path.to_string_lossy().ends_with("provenance.json"))
         .filter_map(|path| parse_provenance(&fs::read_to_string(path).ok()?).ok())
-        .find(|list| list.files().iter().any(|one| one.name == *name && one.sha256 == hash))
-        .map(|list| list.provenance().case_ids().iter().cloned().collect())
+        .find(|list| list.files.iter().any(|one| one.name == *name && one.sha256 == hash))
+        .map(|list| list.provenance().case_ids.iter().cloned().collect())
 }
