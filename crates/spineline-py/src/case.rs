@@ -137,10 +137,7 @@ impl Case {
     /// SHA-256 of every known file that it was made from: case file, landmarks and pictures.
     #[getter]
     pub fn sources(&self) -> Vec<String> {
-        let pictures = self.all_films().into_iter().filter_map(|view| match view {
-            FilmView::Frontal(posture) => self.file.source(posture),
-            FilmView::Lateral => self.file.lateral_source(),
-        });
+        let pictures = self.all_films().into_iter().filter_map(|view| self.file.source(view));
         let input = self.origin.input().map(|input| input.sha256);
         let files = input.into_iter().chain(self.origin.made_from.iter().cloned());
         files.chain(pictures.filter_map(|picture| picture.sha256)).collect()

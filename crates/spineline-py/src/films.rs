@@ -36,14 +36,9 @@ pub fn one_film(
     lateral: Option<LateralFilm>,
     source: FilmSource,
 ) -> Result<Case, Fault> {
-    let posture = films.first().map(|film| film.posture);
+    let view = films.first().map_or(FilmView::Lateral, |film| film.posture.into());
     let case = analysis::Case { lateral, ..analysis::Case::of_films(ALONE, films) };
-    let file = CaseFile::from_case(&case);
-    let file = match posture {
-        Some(posture) => file.with_source(posture, source),
-        None => file.with_lateral_source(source),
-    };
-    Case::new(file, Origin::default())
+    Case::new(CaseFile::from_case(&case).with_source(view, source), Origin::default())
 }
 
 /// One case of the films of these cases. It is synthetic if it is said to be, or if one of them is.
@@ -70,12 +65,9 @@ pub fn case_of_films(
 
 /// Names the pictures of the films of another case.
 fn with_pictures(file: CaseFile, of: &Case) -> CaseFile {
-    of.all_films().into_iter().fold(file, |file, view| match view {
-        FilmView::Frontal(posture) => match of.file.source(posture) {
-            Some(source) => file.with_source(posture, source),
-            None => file,
-        },
-        FilmView::Lateral => file.with_lateral_source(of.file.lateral_source().unwrap_or_default()),
+    of.all_films().into_iter().fold(file, |file, view| match of.file.source(view) {
+        Some(source) => file.with_source(view, source),
+        None => file,
     })
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use spineline::analysis::Case;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::FilmLandmarks;
 use spineline::warning::{WarningCode, Warnings};
 use spineline_files::{CaseFile, FilmSource};
@@ -101,7 +101,7 @@ fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
         Some((Some(film.posture), size, file.source(film.posture)?))
     });
     let lateral = case.lateral.as_ref().and_then(|film| {
-        Some((None, (film.image.columns, film.image.rows), file.lateral_source()?))
+        Some((None, (film.image.columns, film.image.rows), file.source(FilmView::Lateral)?))
     });
     let placed = frontal.chain(lateral).filter_map(|(posture, size, source)| {
         // `CaseFile::into_case` refuses a name in another folder.

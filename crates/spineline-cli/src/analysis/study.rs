@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use spineline::anatomy::{FilmView, Posture};
+use spineline::anatomy::FilmView;
 use spineline::measure::{alike_names, alike_words};
 use spineline::warning::{Warning, WarningCode, Warnings, counted};
 use spineline_files::{FileError, parse_case_file};
@@ -71,10 +71,8 @@ pub fn compare_case(store: &Store, place: &Path, path: &Path) -> Result<Vec<Stri
         return Err(Failure::input(path.display(), what, help));
     }
     let films = store.films(&id).map_err(in_store)?;
-    let frontal = Posture::ALL.map(|posture| (FilmView::Frontal(posture), file.source(posture)));
-    let all = frontal.into_iter().chain([(FilmView::Lateral, file.lateral_source())]);
-    let differs = all.filter_map(|(view, source)| {
-        let bytes = case_film_bytes(&path.with_file_name(source?.file?)).ok()?;
+    let differs = FilmView::ALL.into_iter().filter_map(|view| {
+        let bytes = case_film_bytes(&path.with_file_name(file.source(view)?.file?)).ok()?;
         let hash = Hash::of(&bytes);
         let is_kept = films.iter().any(|film| film.view == view && film.content == hash);
         let remark = || format!("{}: its study has another {view} film", path.display());

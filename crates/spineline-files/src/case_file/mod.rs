@@ -7,7 +7,7 @@ mod vertebra;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{Case, Subject, is_case_id, is_lenke_class};
-use spineline::anatomy::Posture;
+use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{
     Film, FilmLandmarks, IliacCrests, PlacementSource, Reading, ReadingId, SpacingPlane,
 };
@@ -131,35 +131,30 @@ impl CaseFile {
         &self.case_id
     }
 
-    /// The picture file of a posture's film, where the case names one. Only [`CaseFile::into_case`] checks its name: do not open it before.
+    /// The picture file of a film, where the case names one. Only [`CaseFile::into_case`] checks its name: do not open it before.
     #[must_use]
-    pub fn source(&self, posture: Posture) -> Option<FilmSource> {
-        let film = self.films.iter().find(|film| film.posture == posture)?;
-        Some(film.image.as_ref()?.source())
-    }
-
-    /// The same case with the picture file of a posture's film named; a film without a picture stays as it is.
-    #[must_use]
-    pub fn with_source(mut self, posture: Posture, source: FilmSource) -> Self {
-        for film in &mut self.films {
-            if let Some(image) = film.image.as_mut().filter(|_| film.posture == posture) {
-                image.set_source(source.clone());
+    pub fn source(&self, view: impl Into<FilmView>) -> Option<FilmSource> {
+        match view.into() {
+            FilmView::Frontal(posture) => {
+                let film = self.films.iter().find(|film| film.posture == posture)?;
+                Some(film.image.as_ref()?.source())
             }
+            FilmView::Lateral => self.lateral.as_ref().map(LateralRecord::source),
         }
-        self
     }
 
-    /// The picture file of the lateral film, where the case has one. Only [`CaseFile::into_case`] checks its name: do not open it before.
+    /// The same case with the picture file of a film named; a film without a picture stays as it is.
     #[must_use]
-    pub fn lateral_source(&self) -> Option<FilmSource> {
-        self.lateral.as_ref().map(LateralRecord::source)
-    }
-
-    /// The same case with the picture file of its lateral film named.
-    #[must_use]
-    pub fn with_lateral_source(mut self, source: FilmSource) -> Self {
-        if let Some(lateral) = &mut self.lateral {
-            lateral.set_source(source);
+    pub fn with_source(mut self, view: impl Into<FilmView>, source: FilmSource) -> Self {
+        match view.into() {
+            FilmView::Frontal(posture) => {
+                let films = self.films.iter_mut().filter(|film| film.posture == posture);
+                let images = films.filter_map(|film| film.image.as_mut());
+                images.for_each(|image| image.set_source(source.clone()));
+            }
+            FilmView::Lateral => {
+                self.lateral.iter_mut().for_each(|lateral| lateral.set_source(source.clone()));
+            }
         }
         self
     }
@@ -190,7 +185,7 @@ impl CaseFile {
             .films
             .iter()
             .filter_map(|film| Some((film.posture.to_string(), film.image.as_ref()?.source())));
-        let lateral = self.lateral_source().map(|source| ("lateral".to_owned(), source));
+        let lateral = self.source(FilmView::Lateral).map(|source| ("lateral".to_owned(), source));
         let mut known: Vec<(String, FilmSource)> = Vec::new();
         for (b, source) in frontal.chain(lateral) {
             source.check(&b)?;

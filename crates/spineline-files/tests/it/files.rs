@@ -1,7 +1,7 @@
 //! Files: round trips, and errors with place and name.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{FilmView, ImageSide, Level, Posture};
 use spineline::measure::{
     Corners, FilmLandmarks, ImageGeometry, LateralFilm, Origin, Placement, PlacementSource,
     Reading, ReadingId, Spacing, SpacingPlane, SpacingSource,
@@ -183,13 +183,13 @@ fn spacing_provenance_picture_file_and_lateral_film_round_trip() {
     };
     let file = CaseFile::from_case(&case)
         .with_source(Posture::Erect, source("erect.dcm"))
-        .with_lateral_source(source("side.dcm"));
+        .with_source(FilmView::Lateral, source("side.dcm"));
     let text = to_text(&file);
     assert_eq!(parse_case(&text).expect("our own file"), case);
     let read: CaseFile = serde_json::from_str(&text).expect("our own file");
     assert_eq!(read.source(Posture::Erect), Some(source("erect.dcm")));
     assert_eq!(read.source(Posture::Neutral), Some(FilmSource::default()));
-    assert_eq!(read.lateral_source(), Some(source("side.dcm")));
+    assert_eq!(read.source(FilmView::Lateral), Some(source("side.dcm")));
 }
 
 #[test]

@@ -54,7 +54,10 @@ fn a_case_with_a_lateral_film_and_pedicles_comes_back_whole() {
     let [before, after] = [&text, &exported.text].map(|text| spineline_files::parse_case(text));
     assert_eq!(after.expect("a case"), before.expect("a case"));
     let source = |text: &str| {
-        spineline_files::parse_case_file(text).expect("a case").lateral_source().expect("a picture")
+        spineline_files::parse_case_file(text)
+            .expect("a case")
+            .source(FilmView::Lateral)
+            .expect("a picture")
     };
     assert_eq!(source(&exported.text), source(&text));
 

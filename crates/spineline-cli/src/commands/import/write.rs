@@ -115,13 +115,9 @@ pub fn write(
         sources.push((film.view, source));
         reports.push(report);
     }
-    let mut case = CaseFile::from_case(&case(case_id, films, marks));
-    for (view, source) in sources {
-        case = match view {
-            FilmView::Frontal(posture) => case.with_source(posture, source),
-            FilmView::Lateral => case.with_lateral_source(source),
-        };
-    }
+    let case = CaseFile::from_case(&case(case_id, films, marks));
+    let case =
+        sources.into_iter().fold(case, |case, (view, source)| case.with_source(view, source));
     let report = ImportReport {
         format: "spineline-import",
         version: 1,

@@ -24,7 +24,7 @@ fn serving(case: &Case) -> Running {
     let named = |file: &str| FilmSource { file: Some(file.to_owned()), ..FilmSource::default() };
     let file = CaseFile::from_case(case)
         .with_source(Posture::Erect, named("erect.dcm"))
-        .with_lateral_source(named("lateral.dcm"));
+        .with_source(FilmView::Lateral, named("lateral.dcm"));
     let text = spineline_files::to_text(&file);
     let bytes_of = |file: &str| Ok::<_, StoreError>(file.as_bytes().to_vec());
     let new = NewCase::read(&text, bytes_of).expect("a case");
