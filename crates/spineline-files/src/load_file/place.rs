@@ -79,23 +79,12 @@ impl LoadFile {
     /// the others. Empty where [`LoadFile::place`] succeeds.
     #[must_use]
     pub fn faults(&self, model: &PersonalisedModel) -> Vec<LoadFault> {
-        let fault = |load: usize, error: FileError| match error {
-            FileError::Load { reason, help, .. } => LoadFault { load, reason, help },
-            other => LoadFault { load, reason: other.to_string(), help: other.help() },
-        };
-        let alone = self.loads.iter().enumerate().filter_map(|(number, load)| {
-            let error = Self::new(vec![load.clone()]).place(model).err()?;
-            Some(fault(number, error))
+        let alone = self.loads.iter().enumerate().filter_map(|(load, one)| {
+            let fault = Self::new(vec![one.clone()]).placed(model).err()?;
+            Some(LoadFault { load, ..fault })
         });
-        let faults: Vec<LoadFault> = alone.collect();
-        if !faults.is_empty() {
-            return faults;
-        }
-        let together = self.place(model).err().map(|error| match error {
-            FileError::Load { number, .. } => fault(number - 1, error),
-            other => fault(0, other),
-        });
-        together.into_iter().collect()
+        let alone: Vec<LoadFault> = alone.collect();
+        if alone.is_empty() { self.placed(model).err().into_iter().collect() } else { alone }
     }
 
     /// Puts the loads on the vertebrae of a model.
@@ -103,6 +92,13 @@ impl LoadFile {
     /// # Errors
     /// [`FileError::Load`] where a load cannot be applied to this model.
     pub fn place(&self, model: &PersonalisedModel) -> Result<PlacedLoads, FileError> {
+        self.placed(model).map_err(|LoadFault { load, reason, help }| {
+            let (kind, place) = (self.loads[load].kind(), self.loads[load].place());
+            FileError::Load { number: load + 1, kind, place, reason, help }
+        })
+    }
+
+    fn placed(&self, model: &PersonalisedModel) -> Result<PlacedLoads, LoadFault> {
         let mut placed =
             PlacedLoads { loading: Loading::default(), load_of_item: vec![], load_of_rod: vec![] };
         for (number, load) in self.loads.iter().enumerate() {
@@ -112,11 +108,11 @@ impl LoadFile {
             placed.load_of_rod.resize(placed.loading.rods.len(), number);
         }
         placed.loading.check(&model.spine, model.support).map_err(|error| {
-            let number = match error.place {
+            let load = match error.place {
                 LoadPlace::Item(place) => placed.load_of_item[place],
                 LoadPlace::Rod(place) => placed.load_of_rod[place],
             };
-            self.refused(number, reason(&error.fault, model), error.help())
+            LoadFault { load, reason: reason(&error.fault, model), help: error.help() }
         })?;
         Ok(placed)
     }
@@ -127,8 +123,15 @@ impl LoadFile {
         load: &AppliedLoad,
         model: &PersonalisedModel,
         placed: &mut PlacedLoads,
-    ) -> Result<(), FileError> {
-        let find = |level: Level| self.vertebra(number, level, model);
+    ) -> Result<(), LoadFault> {
+        let find = |level: Level| {
+            let found = model.levels.iter().position(|other| *other == level);
+            found.ok_or_else(|| {
+                let reason =
+                    format!("{level} is not in the model, which extends {}", extent(model));
+                LoadFault { load: number, reason, help: "name a vertebra of the model" }
+            })
+        };
         let timing = load.timing();
         match load {
             AppliedLoad::Gravity { body_weight_n, down, .. } => {
@@ -153,27 +156,14 @@ impl LoadFile {
         Ok(())
     }
 
-    fn vertebra(
-        &self,
-        number: usize,
-        level: Level,
-        model: &PersonalisedModel,
-    ) -> Result<usize, FileError> {
-        let found = model.levels.iter().position(|other| *other == level);
-        found.ok_or_else(|| {
-            let reason = format!("{level} is not in the model, which extends {}", extent(model));
-            self.refused(number, reason, "name a vertebra of the model")
-        })
-    }
-
     fn check_gravity(
         &self,
         number: usize,
         body_weight_n: f64,
         down: &[f64; 3],
         model: &PersonalisedModel,
-    ) -> Result<Levels, FileError> {
-        let refused = |reason: String, help| Err(self.refused(number, reason, help));
+    ) -> Result<Levels, LoadFault> {
+        let refused = |reason: String, help| Err(LoadFault { load: number, reason, help });
         let Some(levels) = model.known_levels() else {
             let reason = format!(
                 "the weight is known for neighbouring vertebrae among L4 to T2, but the model extends {}",
@@ -205,12 +195,6 @@ impl LoadFile {
             return refused(reason, "give one `gravity` load with the whole body weight");
         }
         Ok(levels)
-    }
-
-    fn refused(&self, number: usize, reason: String, help: &'static str) -> FileError {
-        let load = &self.loads[number];
-        let (kind, place) = (load.kind(), load.place());
-        FileError::Load { number: number + 1, kind, place, reason, help }
     }
 }
 
