@@ -20,15 +20,6 @@ impl Serialize for JointKey {
     }
 }
 
-impl<'de> Deserialize<'de> for JointKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        let (below, above) = text.split_once('/').unwrap_or((&text, ""));
-        let level = |name: &str| name.parse().map_err(D::Error::custom);
-        Ok(Self(level(below)?, level(above)?))
-    }
-}
-
 impl JsonSchema for JointKey {
     fn schema_name() -> Cow<'static, str> {
         "Joint".into()
