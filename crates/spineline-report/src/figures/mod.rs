@@ -68,7 +68,7 @@ pub use films::{FilmPicture, films};
 pub use identification::line_identification;
 pub use lateral_bias::lateral_bias;
 pub use loaded::loaded_spine;
-pub use noise::{NoiseCurve, NoisePanel, NoiseRow, NoiseScenario, noise_study};
+pub use noise::{NoisePanel, NoiseRow, NoiseScenario, noise_study};
 pub use overview::case_overview;
 pub use prediction::predictions;
 pub use profile::profiles;

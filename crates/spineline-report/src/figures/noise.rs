@@ -13,20 +13,14 @@ pub struct NoiseScenario {
     pub meaning: String,
 }
 
-/// A number over the noise, for one loading scenario.
-#[derive(Debug, Clone)]
-pub struct NoiseCurve {
-    /// Noise in mm; value, lower and upper end of its interval, in percent; the ends are NaN without an interval.
-    pub points: Vec<(f64, [f64; 3])>,
-}
-
 /// The curves of all loading scenarios, for one rule.
 #[derive(Debug, Clone)]
 pub struct NoisePanel {
     /// The rule.
     pub name: String,
-    /// One curve per loading scenario.
-    pub curves: Vec<NoiseCurve>,
+    /// One curve per loading scenario: noise in mm; value, lower and upper end of its interval, in percent; the ends are NaN without an
+    /// interval.
+    pub curves: Vec<Vec<(f64, [f64; 3])>>,
 }
 
 /// One claim, for all rules.
@@ -96,7 +90,7 @@ fn draw_row(row: &NoiseRow, page: &Page, last: bool) -> Vec<Panel> {
     // The first panel has the scale on its left.
     let n = row.panels.len() as f64;
     let width_px = (page.inner_px() - 62.0) / n - 18.0;
-    let lowest = row.panels.iter().flat_map(|p| &p.curves).flat_map(|c| &c.points);
+    let lowest = row.panels.iter().flat_map(|p| &p.curves).flatten();
     let lowest = lowest.map(|(_, [value, ..])| *value).filter(|v| v.is_finite());
     let from = if lowest.fold(0.0, f64::min) < -5.0 { -50.0 } else { 0.0 };
     let panels = row.panels.iter().enumerate().map(|(i, panel)| {
@@ -125,7 +119,7 @@ fn draw_curves(drawn: &mut Panel, panel: &NoisePanel, limit_percent: f64) {
         let [least, most] = drawn.y.range;
         let inside = |v: f64| v.clamp(least, most);
         let mut places = Vec::new();
-        for (noise_mm, [value, low, high]) in &curve.points {
+        for (noise_mm, [value, low, high]) in curve {
             let x = noise_mm + beside;
             if low.is_finite() && high.is_finite() && *high > least {
                 let bar = Ink::new(ink.colour, "", 0.9);

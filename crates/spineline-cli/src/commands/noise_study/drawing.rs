@@ -4,7 +4,7 @@ use spineline::cohort::Claims;
 use spineline::multibody::Support;
 use spineline::warning::counted;
 use spineline_phantom::Scenario;
-use spineline_report::figures::{NoiseCurve, NoisePanel, NoiseRow, NoiseScenario, noise_study};
+use spineline_report::figures::{NoisePanel, NoiseRow, NoiseScenario, noise_study};
 
 use super::args::NoiseStudyArgs;
 use super::study::{Point, WAYS, Way};
@@ -60,12 +60,9 @@ pub fn svg(points: &[Point], args: &NoiseStudyArgs) -> String {
 type Value = fn(&Claims) -> [f64; 3];
 
 fn panel(points: &[Point], args: &NoiseStudyArgs, way: Way, value: Value) -> NoisePanel {
-    let curve = |scenario: Scenario| NoiseCurve {
-        points: points
-            .iter()
-            .filter(|p| (p.scenario, p.way) == (scenario, way))
-            .map(|p| (p.noise_mm, value(&p.claims).map(|share| 100.0 * share)))
-            .collect(),
+    let curve = |scenario: Scenario| {
+        let own = points.iter().filter(|p| (p.scenario, p.way) == (scenario, way));
+        own.map(|p| (p.noise_mm, value(&p.claims).map(|share| 100.0 * share))).collect()
     };
     let name = match way.support {
         Some(Support::Frontal) => format!("{}, on a table", way.rule_name()),
