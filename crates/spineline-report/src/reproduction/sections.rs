@@ -260,74 +260,48 @@ fn by_patient(found: Vec<Cell>) -> PaperNumber {
     ours("  one mean per patient".to_owned(), "p", found)
 }
 
-/// An error of the models with one line.
-struct ErrorRow {
-    name: &'static str,
-    unit: &'static str,
-    paper: Option<PaperMean>,
-    kind: LineKind,
-    /// Role of the films in the fit.
-    role: FilmRole,
-}
-
-impl ErrorRow {
-    const fn new(
-        name: &'static str,
-        unit: &'static str,
-        paper: Option<PaperMean>,
-        kind: LineKind,
-        role: FilmRole,
-    ) -> Self {
-        Self { name, unit, paper, kind, role }
-    }
-
-    fn number(&self, columns: &Columns<'_>) -> PaperNumber {
+/// Errors of the models, with each line, on fitted bends and on held-out films.
+fn error_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
+    use FilmRole::{Fitted, HeldOut};
+    use LineKind::{Estimated, Iliac, Inflection};
+    type Row = (&'static str, &'static str, Option<PaperMean>, LineKind, FilmRole);
+    let paper = |mean, sd| Some(PaperMean::new(mean, sd, 2));
+    let (place, held_out) = (fitted_location_error_mm, held_out_location_error_mm(Inflection));
+    let rows: [Row; 12] = [
+        ("Ferguson error, bends, Model-1 (°)", "deg", paper(1.34, 1.51), Inflection, Fitted),
+        ("Ferguson error, bends, Model-2 (°)", "deg", paper(2.07, 2.20), Iliac, Fitted),
+        ("  estimated line", "deg", None, Estimated, Fitted),
+        ("location error, bends, Model-1 (mm)", "mm", place(Inflection), Inflection, Fitted),
+        ("location error, bends, Model-2 (mm)", "mm", place(Iliac), Iliac, Fitted),
+        ("  estimated line", "mm", None, Estimated, Fitted),
+        ("HELD OUT Ferguson error, Model-1 (°)", "deg", paper(1.63, 1.98), Inflection, HeldOut),
+        ("  Model-2", "deg", None, Iliac, HeldOut),
+        ("  estimated line", "deg", None, Estimated, HeldOut),
+        ("HELD OUT location error, Model-1 (mm)", "mm", held_out, Inflection, HeldOut),
+        ("  Model-2", "mm", None, Iliac, HeldOut),
+        ("  estimated line", "mm", None, Estimated, HeldOut),
+    ];
+    let row = |(name, unit, paper, kind, role): Row| {
         let of_cohort = |cohort: &Cohort| {
-            let (kind, role) = (self.kind, self.role);
             let cell = |errors: &RoleErrors| {
-                let values =
-                    if self.unit == "deg" { &errors.ferguson_deg } else { &errors.location_mm };
+                let values = if unit == "deg" { &errors.ferguson_deg } else { &errors.location_mm };
                 Cell::of(&values.pooled, 2).without(cohort.compared.unusable(kind, role))
             };
             cohort.compared.of_line(kind, role).map_or_else(Cell::missing, cell)
         };
-        match self.paper {
-            Some(paper) => compared(self.name, self.unit, paper, columns, of_cohort),
-            None => ours(self.name.to_owned(), self.unit, columns.map(of_cohort)),
+        match paper {
+            Some(paper) => compared(name, unit, paper, columns, of_cohort),
+            None => ours(name.to_owned(), unit, columns.map(of_cohort)),
         }
-    }
+    };
+    rows.map(row).into()
 }
-
-const ERRORS: [ErrorRow; 12] = {
-    use FilmRole::{Fitted, HeldOut};
-    use LineKind::{Estimated, Iliac, Inflection};
-    let (model_1, model_2) =
-        ("Ferguson error, bends, Model-1 (°)", "Ferguson error, bends, Model-2 (°)");
-    let (place_1, place_2) =
-        ("location error, bends, Model-1 (mm)", "location error, bends, Model-2 (mm)");
-    let (angle, place) =
-        ("HELD OUT Ferguson error, Model-1 (°)", "HELD OUT location error, Model-1 (mm)");
-    [
-        ErrorRow::new(model_1, "deg", Some(PaperMean::new(1.34, 1.51, 2)), Inflection, Fitted),
-        ErrorRow::new(model_2, "deg", Some(PaperMean::new(2.07, 2.20, 2)), Iliac, Fitted),
-        ErrorRow::new("  estimated line", "deg", None, Estimated, Fitted),
-        ErrorRow::new(place_1, "mm", fitted_location_error_mm(Inflection), Inflection, Fitted),
-        ErrorRow::new(place_2, "mm", fitted_location_error_mm(Iliac), Iliac, Fitted),
-        ErrorRow::new("  estimated line", "mm", None, Estimated, Fitted),
-        ErrorRow::new(angle, "deg", Some(PaperMean::new(1.63, 1.98, 2)), Inflection, HeldOut),
-        ErrorRow::new("  Model-2", "deg", None, Iliac, HeldOut),
-        ErrorRow::new("  estimated line", "deg", None, Estimated, HeldOut),
-        ErrorRow::new(place, "mm", held_out_location_error_mm(Inflection), Inflection, HeldOut),
-        ErrorRow::new("  Model-2", "mm", None, Iliac, HeldOut),
-        ErrorRow::new("  estimated line", "mm", None, Estimated, HeldOut),
-    ]
-};
 
 const MODELS_NOTE: &str = "Model-1 has the inflection line, Model-2 the iliac line. Held-out films are neutral and traction; no stiffness was fitted to them. `[1 without]`: number of films without a result for any force. – marks a number that the paper does not give.";
 
 fn models(columns: &Columns<'_>, support: Support) -> Part {
     let title = format!("Models with {}", support_words(support));
-    let mut rows: Vec<PaperNumber> = ERRORS.iter().map(|row| row.number(columns)).collect();
+    let mut rows = error_rows(columns);
     rows.extend(reductions(columns));
     rows.extend(test_rows(columns));
     let contradicted = |cohort: &Cohort| {
