@@ -1,44 +1,54 @@
 //! `reliability --csv`: the statistics of readings, and the limits of agreement of every pair.
 
 use spineline::reliability::{
-    BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticEstimate,
+    BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
 };
 
 use crate::define::{Columns, ENDS_95, STATED, table};
 use crate::table::Table;
 
-/// A statistic of a design, or one of the limits of a pair.
 struct StatisticRow<'a> {
     synthetic: bool,
     quantity: &'a QuantityReliability,
     design: &'a DesignReliability,
-    value: Value<'a>,
+    number: Number,
 }
 
-enum Value<'a> {
-    Statistic(&'a Statistic),
-    /// The bias of a pair of raters or one of its limits of agreement, with its 95 % interval.
-    Limit {
-        pair: &'a BlandAltman,
-        name: &'static str,
-        value: f64,
-        interval: Option<[f64; 2]>,
-    },
+/// A statistic of a design, or the bias of a pair of raters, or one of the pair's limits of agreement.
+struct Number {
+    key: String,
+    name: String,
+    value: Option<f64>,
+    sd: Option<f64>,
+    interval: Option<[f64; 2]>,
+    has_unit: bool,
+    undefined: Option<&'static str>,
 }
 
-impl Value<'_> {
-    fn estimate(&self) -> Option<StatisticEstimate> {
-        match self {
-            Self::Statistic(statistic) => statistic.outcome.ok(),
-            Self::Limit { .. } => None,
+impl Number {
+    fn of(statistic: &Statistic) -> Self {
+        let (kind, estimate) = (statistic.kind, statistic.outcome.ok());
+        Self {
+            key: kind.key().to_owned(),
+            name: kind.to_string(),
+            value: estimate.map(|found| found.value),
+            sd: estimate.and_then(|found| found.sd),
+            interval: estimate.and_then(|found| found.interval.ok()),
+            has_unit: kind.has_unit(),
+            undefined: statistic.outcome.err().map(|why| why.key()),
         }
     }
 
-    fn interval(&self) -> Option<[f64; 2]> {
-        match self {
-            Self::Statistic(_) => self.estimate()?.interval.ok(),
-            Self::Limit { interval, .. } => *interval,
-        }
+    fn limits(pair: &BlandAltman) -> [Self; 3] {
+        pair.named_limits().map(|(name, value, interval)| Self {
+            key: format!("bland_altman_{}", name.replace(' ', "_")),
+            name: format!("{1} minus {0}", pair.raters[0], pair.raters[1]),
+            value: Some(value),
+            sd: (name == "bias").then_some(pair.sd),
+            interval,
+            has_unit: true,
+            undefined: None,
+        })
     }
 }
 
@@ -48,13 +58,9 @@ pub fn statistics_table(found: &[QuantityReliability], synthetic: bool) -> Table
     let mut rows = Vec::new();
     for quantity in found {
         for design in &quantity.designs {
-            let statistics = design.statistics.iter().map(Value::Statistic);
-            let limits = design.bland_altman.iter().flat_map(|pair| {
-                let limits = pair.named_limits().into_iter();
-                limits.map(|(name, value, interval)| Value::Limit { pair, name, value, interval })
-            });
-            let values = statistics.chain(limits);
-            rows.extend(values.map(|value| StatisticRow { synthetic, quantity, design, value }));
+            let limits = design.bland_altman.iter().flat_map(Number::limits);
+            let numbers = design.statistics.iter().map(Number::of).chain(limits);
+            rows.extend(numbers.map(|number| StatisticRow { synthetic, quantity, design, number }));
         }
     }
     let row = "quantity × design × statistic, or quantity × design × pair of raters × bias or limit of agreement";
@@ -104,40 +110,19 @@ fn which(add: &mut Columns<'_, StatisticRow<'_>>) {
 
 fn values(add: &mut Columns<'_, StatisticRow<'_>>) {
     add.unit = STATED;
-    add.text("statistic", "key of the statistic", |row| match &row.value {
-        Value::Statistic(statistic) => statistic.kind.key().to_owned(),
-        Value::Limit { name, .. } => format!("bland_altman_{}", name.replace(' ', "_")),
+    add.text("statistic", "key of the statistic", |row| row.number.key.clone());
+    add.text("name", "its name; of a bias or limit of agreement, the two raters", |row| {
+        row.number.name.clone()
     });
-    add.text("name", "its name; of a bias or limit of agreement, the two raters", |row| match &row
-        .value
-    {
-        Value::Statistic(statistic) => statistic.kind.to_string(),
-        Value::Limit { pair, .. } => {
-            format!("{1} minus {0}", pair.raters[0], pair.raters[1])
-        }
-    });
-    add.number("value", "its value", |row| match row.value {
-        Value::Statistic(_) => Some(row.value.estimate()?.value),
-        Value::Limit { value, .. } => Some(value),
-    });
+    add.number("value", "its value", |row| row.number.value);
     add.number(
         "sd",
         "standard deviation over pairs of raters; of a bias, over the differences",
-        |row| match row.value {
-            Value::Statistic(_) => row.value.estimate()?.sd,
-            Value::Limit { pair, name, .. } => (name == "bias").then_some(pair.sd),
-        },
+        |row| row.number.sd,
     );
-    add.interval(["ci95_low", "ci95_high"], ENDS_95, |row| row.value.interval());
+    add.interval(["ci95_low", "ci95_high"], ENDS_95, |row| row.number.interval);
     add.text("unit", "unit of the value; empty for a coefficient", |row| {
-        let has_unit = match row.value {
-            Value::Statistic(statistic) => statistic.kind.has_unit(),
-            Value::Limit { .. } => true,
-        };
-        has_unit.then(|| row.quantity.unit.clone())
+        row.number.has_unit.then(|| row.quantity.unit.clone())
     });
-    add.text("undefined", "reason why the value is missing", |row| match row.value {
-        Value::Statistic(statistic) => Some(statistic.outcome.err()?.key()),
-        Value::Limit { .. } => None,
-    });
+    add.text("undefined", "reason why the value is missing", |row| row.number.undefined);
 }
