@@ -138,8 +138,9 @@ fn verdict(columns: &Columns<'_>, tests: Vec<Option<&LinePairTest>>, role: FilmR
         return String::new();
     }
     let better: Vec<String> = columns
-        .names
-        .iter()
+        .of
+        .names()
+        .into_iter()
         .zip(tests)
         .filter_map(|(group, test)| {
             let test = test?;

@@ -72,12 +72,7 @@ impl Reproduction<'_> {
     }
 
     fn columns(&self, support: Support) -> Columns<'_> {
-        let cohorts = self.groups.iter().map(|group| match support {
-            Support::Free => group.free,
-            Support::Frontal => group.frontal,
-        });
-        let groups = &self.groups;
-        Columns { films: self.films, names: self.names(), cohorts: cohorts.collect(), groups }
+        Columns { of: self, support }
     }
 
     /// How the films were analysed.
@@ -91,22 +86,24 @@ impl Reproduction<'_> {
     }
 }
 
-/// One cohort per group, with the names.
+/// One cohort per group.
 struct Columns<'a> {
-    films: Films,
-    names: Vec<&'static str>,
-    cohorts: Vec<&'a Cohort>,
-    groups: &'a [Group<'a>],
+    of: &'a Reproduction<'a>,
+    support: Support,
 }
 
 impl<'a> Columns<'a> {
     fn map<T>(&self, of: impl FnMut(&'a Cohort) -> T) -> Vec<T> {
-        self.cohorts.iter().copied().map(of).collect()
+        let cohorts = self.of.groups.iter().map(|group| match self.support {
+            Support::Free => group.free,
+            Support::Frontal => group.frontal,
+        });
+        cohorts.map(of).collect()
     }
 
     /// A note, and what holds for phantoms only.
     fn note(&self, common: &str, of_phantoms: &str) -> String {
-        match self.films {
+        match self.of.films {
             Films::Phantoms { .. } => [common, of_phantoms].join(" ").trim().to_owned(),
             Films::Given => common.to_owned(),
         }

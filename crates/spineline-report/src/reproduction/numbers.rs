@@ -152,7 +152,7 @@ pub(super) fn beside(
     ours: Vec<Cell>,
 ) -> PaperNumber {
     let paper = paper.into();
-    let verdict = verdict(paper.value, &columns.names, &ours);
+    let verdict = verdict(paper.value, &columns.of.names(), &ours);
     PaperNumber { quantity: quantity.to_owned(), unit, paper: Some(paper.text), ours, verdict }
 }
 

@@ -52,7 +52,7 @@ fn readings(columns: &Columns<'_>) -> Part {
             let value = design.statistic(StatisticKind::Pearson).ok()?.value;
             Some(Cell::value(value, design.subjects, shown_coefficient(value)))
         };
-        columns.groups.iter().map(|group| pearson(group).unwrap_or_else(Cell::missing)).collect()
+        columns.of.groups.iter().map(|group| pearson(group).unwrap_or_else(Cell::missing)).collect()
     };
     let within = |observer: usize| {
         of(&move |tilts| {
@@ -205,7 +205,7 @@ fn inflection_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
 /// Films on which the inflection line meets the spine a third time, and the rotation there.
 fn third_points(columns: &Columns<'_>) -> [PaperNumber; 2] {
     let claims = |cell: fn(&Claims) -> Cell| -> Vec<Cell> {
-        columns.groups.iter().map(|group| cell(&group.claims)).collect()
+        columns.of.groups.iter().map(|group| cell(&group.claims)).collect()
     };
     let films = claims(|claims| {
         let [met, films] = claims.third_points;
@@ -251,7 +251,7 @@ fn tested(
     paper_rejects: bool,
     found: Vec<Cell>,
 ) -> PaperNumber {
-    let verdict = test_verdict(paper_rejects, &columns.names, &found);
+    let verdict = test_verdict(paper_rejects, &columns.of.names(), &found);
     PaperNumber { paper: Some(paper.to_owned()), verdict, ..ours(name.to_owned(), "p", found) }
 }
 
@@ -310,7 +310,7 @@ fn models(columns: &Columns<'_>, support: Support) -> Part {
     };
     let name = "counter-rotating joints of 14, Model-1".to_owned();
     rows.push(ours(name, "1", columns.map(contradicted)));
-    let against = columns.groups.iter().map(|group| Cell::of(&group.claims.against_force, 1));
+    let against = columns.of.groups.iter().map(|group| Cell::of(&group.claims.against_force, 1));
     rows.push(beside(
         "vertebrae of 14 that move against the iliac force",
         "1",
