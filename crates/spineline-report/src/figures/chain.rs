@@ -89,8 +89,7 @@ fn near(analysis: &Analysis) -> Panel {
     for (place, link) in joints.windows(2).enumerate() {
         let along = (link[1] - link[0]) * (1.0 / link[0].distance_mm(link[1]));
         frame(&mut panel, link[0], [along, Frontal::new(-along.z_mm, along.y_mm)]);
-        let (x, z) = drawn(link[0]);
-        let (x, y) = panel.px(x, z);
+        let (x, y) = panel.place(link[0]);
         let words = pose.joint_angles.get(first + place).map(|theta| fixed(theta.deg(), 3));
         let words = format!("θ {} = {}°", first + place, words.unwrap_or_default());
         panel.marks.push(text((x + 12.0, y - 8.0), &words, TICK_PX, TextAnchor::Start));
@@ -102,8 +101,7 @@ fn near(analysis: &Analysis) -> Panel {
 /// Two axes of equal length at a place.
 fn frame(panel: &mut Panel, origin: Frontal, axes: [Frontal; 2]) {
     const LONG_PX: f64 = 28.0;
-    let (x, z) = drawn(origin);
-    let from = panel.px(x, z);
+    let from = panel.place(origin);
     for (ink, axis) in AXES.into_iter().zip(axes) {
         let (right, up) = drawn(axis);
         let to = (from.0 + LONG_PX * right, from.1 - LONG_PX * up);

@@ -203,10 +203,7 @@ fn placed(panel: &Panel, film: &Displayed<'_>, picture: &FilmPicture) -> Option<
     let image = frame.image();
     let [columns, rows] = [image.columns, image.rows].map(f64::from);
     let ends = [Pixel::new(-0.5, -0.5), Pixel::new(columns - 0.5, rows - 0.5)];
-    let corners_px = ends.map(|end| {
-        let (x, y) = drawn(film.pixel(frame, end));
-        panel.px(x, y)
-    });
+    let corners_px = ends.map(|end| panel.place(film.pixel(frame, end)));
     Some(Picture { png: picture.png.clone(), corners_px })
 }
 
@@ -221,14 +218,12 @@ fn fill(panel: &mut Panel, film: &Displayed<'_>, analysis: &Analysis, posture: &
         panel.layer("marked corners", bodies);
     }
     if let Some(line) = film.crests().and_then(|tips| within(panel, tips.map(drawn))) {
-        let line = panel.trace(CREST, line);
-        panel.layer("iliac crests", [line]);
+        panel.curve_layer("iliac crests", CREST, line);
     }
     for model in &analysis.models {
         line_layer(panel, film, model.kind, posture, analysis);
     }
-    let trace = panel.trace(CURVE, fitted_curve(posture).map(at));
-    panel.layer("fitted curve", [trace]);
+    panel.curve_layer("fitted curve", CURVE, fitted_curve(posture).map(at));
     let marker = |panel: &Panel, marker: Marker, place: (f64, f64)| {
         let (x, y) = panel.px(place.0, place.1);
         marker.at(x, y)

@@ -205,6 +205,12 @@ pub fn frontal_panel(extent: Extent, px_per_mm: f64, base: Level) -> Panel {
 }
 
 impl Panel {
+    /// A point of the frontal plane as pixels from the frame's top left.
+    pub fn place(&self, point: Frontal) -> (f64, f64) {
+        let (x, z) = drawn(point);
+        self.px(x, z)
+    }
+
     /// Makes a frontal panel one that is seen from the patient's right: the front is on the right.
     pub fn see_from_right(&mut self, base: Level) {
         self.x.label = format!("anterior of {base} (mm)");
@@ -237,8 +243,7 @@ impl Panel {
             for (point, name, down_px) in
                 [(first, levels.base().name(), 18.0), (last, levels.top().name(), -9.0)]
             {
-                let (x, z) = drawn(*point);
-                let (x, y) = self.px(x, z);
+                let (x, y) = self.place(*point);
                 let at = (x, y + down_px);
                 // A pale ground keeps the letters readable over lines.
                 self.marks.push(ground(at));

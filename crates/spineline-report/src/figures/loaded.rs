@@ -205,8 +205,7 @@ fn end_names(panel: &mut Panel, levels: &[Level], erect: &Deformed, view: View) 
     ];
     for (level, midpoint, down_px) in ends {
         if let (Some(level), Some(midpoint)) = (level, midpoint) {
-            let (x, z) = drawn(view.flat(midpoint));
-            let (x, y) = panel.px(x, z);
+            let (x, y) = panel.place(view.flat(midpoint));
             panel.marks.push(bold(
                 (x, y + down_px),
                 level.name(),
@@ -225,10 +224,7 @@ fn draw_load(
     load: &ActingLoad,
     view: View,
 ) {
-    let place = |panel: &Panel, point: &Vec3| {
-        let (x, z) = drawn(view.flat(point));
-        panel.px(x, z)
-    };
+    let place = |panel: &Panel, point: &Vec3| panel.place(view.flat(point));
     let item = &input.placed.loading.items[load.item];
     match item.load {
         BodyLoad::ForceOnLine { force_n, .. } => {

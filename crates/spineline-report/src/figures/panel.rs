@@ -226,6 +226,17 @@ impl Panel {
         self.marks.push(Primitive::GroupEnd);
     }
 
+    /// A curve through places within the frame, as one layer.
+    pub fn curve_layer(
+        &mut self,
+        name: &str,
+        ink: Ink,
+        places: impl IntoIterator<Item = (f64, f64)>,
+    ) {
+        let curve = self.trace(ink, places);
+        self.layer(name, [curve]);
+    }
+
     /// A filled area without an edge.
     pub fn area(
         &mut self,

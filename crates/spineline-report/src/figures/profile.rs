@@ -61,12 +61,10 @@ fn panel(
     let mut panel = Panel::new(x, y, [width_px, TALL_PX]);
     panel.heading(HeadingKind::Title, model.kind.to_string());
     let [left, right] = panel.x.range;
-    let limit = panel.trace(LIMIT, [(left, Profile::LIMIT), (right, Profile::LIMIT)]);
-    panel.layer("limit", [limit]);
+    panel.curve_layer("limit", LIMIT, [(left, Profile::LIMIT), (right, Profile::LIMIT)]);
     for (group, one) in found.multipliers.iter().enumerate() {
         let at = model.fit.log_multipliers[group];
-        let fit = panel.trace(FIT, [(at, 0.0), (at, MOST_RISE)]);
-        panel.layer("fit", [fit]);
+        panel.curve_layer("fit", FIT, [(at, 0.0), (at, MOST_RISE)]);
         let places = || one.profile.points.iter().map(|p| (p.log_multiplier, p.rise.max(0.0)));
         panel.curves.push((ink(group), places().collect()));
         panel.points(marker(group), places().filter(|(_, rise)| *rise <= MOST_RISE));

@@ -46,8 +46,8 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
         let (ink, _) = posture_style(*posture);
         let place = |(k, r): (usize, &spineline::spatial::Angle)| (k as f64, r.deg());
         // The first joint is the base's midpoint, which does not turn by definition of the frame.
-        let curve = panel.trace(ink, motion.rotations.iter().enumerate().skip(1).map(place));
-        panel.layer(&posture.to_string(), [curve]);
+        let places = motion.rotations.iter().enumerate().skip(1).map(place);
+        panel.curve_layer(&posture.to_string(), ink, places);
     }
     if let Some(segments) = movement.inflection_segments {
         page.entry(INFLECTION, "inflection segments of the erect curve");

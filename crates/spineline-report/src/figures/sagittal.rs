@@ -84,10 +84,8 @@ pub fn sagittal_profiles(found: &[(&Analysis, TemplateError)]) -> Option<String>
     let mut off = error_panel(&levels, errors(), width_px);
     for error in errors() {
         let at = places(&levels, &error.vertebrae);
-        let line = pitch.trace(ONE, at.iter().map(|(x, v)| (*x, v.measured.deg())));
-        pitch.layer("patient", [line]);
-        let line = off.trace(ONE, at.iter().map(|(x, v)| (*x, v.error().deg())));
-        off.layer("patient", [line]);
+        pitch.curve_layer("patient", ONE, at.iter().map(|(x, v)| (*x, v.measured.deg())));
+        off.curve_layer("patient", ONE, at.iter().map(|(x, v)| (*x, v.error().deg())));
     }
     let mean = (0..levels.len()).filter_map(|i| {
         let vertebrae = errors().flat_map(|error| &error.vertebrae);
@@ -96,9 +94,7 @@ pub fn sagittal_profiles(found: &[(&Analysis, TemplateError)]) -> Option<String>
         let sum: f64 = all.iter().sum();
         (!all.is_empty()).then(|| (i as f64 + 0.5, sum / all.len() as f64))
     });
-    let mean: Vec<(f64, f64)> = mean.collect();
-    let line = pitch.trace(TEMPLATE, mean);
-    pitch.layer("population", [line]);
+    pitch.curve_layer("population", TEMPLATE, mean);
     pitch.heading(HeadingKind::Title, "Pitch");
     off.heading(HeadingKind::Title, "Population less measured");
     page.rows.push(vec![pitch, off]);
@@ -166,8 +162,7 @@ fn by_level(
     for (i, level) in levels.iter().enumerate() {
         panel.name_below(i as f64 + 0.5, i % rows, vec![level.to_string()], false);
     }
-    let zero = panel.trace(ZERO, [(0.0, 0.0), (most, 0.0)]);
-    panel.layer("zero", [zero]);
+    panel.curve_layer("zero", ZERO, [(0.0, 0.0), (most, 0.0)]);
     panel
 }
 

@@ -117,9 +117,8 @@ fn panels(units: &[Unit; 3], [lower, upper]: [Level; 2], row_px: f64) -> Vec<Vec
     panel.heading(HeadingKind::Title, format!("{upper} on {lower}; arrows: force of the bend"));
     let [_, [erect, _], _] = places;
     for (posture, side) in [(Posture::LeftBending, 1.0), (Posture::RightBending, -1.0)] {
-        let end = drawn(erect + Frontal::new(side * FORCE_MM, 0.0));
-        let (from, to) = (drawn(erect), end);
-        let [from, to] = [from, to].map(|(x, z)| panel.px(x, z));
+        let end = erect + Frontal::new(side * FORCE_MM, 0.0);
+        let [from, to] = [erect, end].map(|point| panel.place(point));
         panel.layer("force of the bend", arrow(style(posture).0, from, to));
     }
     for (posture, two) in FILMS.into_iter().zip(places) {
