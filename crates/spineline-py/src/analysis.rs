@@ -110,10 +110,7 @@ impl Analysis {
     /// Its file with this provenance.
     pub fn stored(&self, provenance: &Provenance) -> AnalysisFile {
         let file = AnalysisFile::new(&self.analysis, (*self.file).clone(), provenance.clone());
-        match &self.identifiability {
-            Some(found) => file.with_identifiability(&self.analysis, found),
-            None => file,
-        }
+        file.with_identifiability(&self.analysis, self.identifiability.as_deref())
     }
 
     /// The results of a posture.

@@ -155,7 +155,7 @@ impl Replicates {
         let of = self.of.get();
         py.detach(|| {
             let file = of.stored(&self.provenance);
-            text_with_hash(results_text(&file.with_uncertainty(&of.analysis, &self.found)))
+            text_with_hash(results_text(&file.with_uncertainty(&of.analysis, Some(&self.found))))
         })
     }
 }

@@ -85,14 +85,9 @@ impl Confidence {
     }
 
     /// Adds the results to the file of an analysis.
-    pub fn add_to(&self, analysis: &Analysis, mut file: AnalysisFile) -> AnalysisFile {
-        if let Some(found) = &self.identifiability {
-            file = file.with_identifiability(analysis, found);
-        }
-        if let Some(found) = &self.uncertainty {
-            file = file.with_uncertainty(analysis, found);
-        }
-        file
+    pub fn add_to(&self, analysis: &Analysis, file: AnalysisFile) -> AnalysisFile {
+        let file = file.with_identifiability(analysis, self.identifiability.as_deref());
+        file.with_uncertainty(analysis, self.uncertainty.as_ref())
     }
 }
 

@@ -299,21 +299,21 @@ impl AnalysisFile {
         }
     }
 
-    /// The same file with the uncertainty of its numbers.
+    /// The same file with the uncertainty of its numbers, where it was requested.
     #[must_use]
-    pub fn with_uncertainty(mut self, analysis: &Analysis, found: &Uncertainty) -> Self {
-        self.uncertainty = Some(UncertaintyRecord::new(found, analysis));
+    pub fn with_uncertainty(mut self, analysis: &Analysis, found: Option<&Uncertainty>) -> Self {
+        self.uncertainty = found.map(|found| UncertaintyRecord::new(found, analysis));
         self
     }
 
-    /// The same file with the identifiability of every model's multipliers, in the order of the analysis' models.
+    /// The same file with the identifiability of every model's multipliers, in the order of the analysis' models, where it was requested.
     #[must_use]
     pub fn with_identifiability(
         mut self,
         analysis: &Analysis,
-        found: &[Option<Identifiability>],
+        found: Option<&[Option<Identifiability>]>,
     ) -> Self {
-        for (model, found) in analysis.models.iter().zip(found) {
+        for (model, found) in analysis.models.iter().zip(found.unwrap_or_default()) {
             if let Some(record) = self.models.get_mut(model.kind.key()) {
                 record.identifiability =
                     found.as_ref().map(|found| IdentifiabilityRecord::new(found, &model.groups));

@@ -378,7 +378,7 @@ fn an_analysis_file_has_uncertainty_where_it_was_asked_for() {
     (0..3).for_each(|index| tally.add(&monte_carlo.replicate(index)));
     let plain = analysis_file(&analysis, &case);
     assert!(!to_text(&plain).contains("\"uncertainty\""));
-    let file = plain.with_uncertainty(&analysis, &tally.finish(4));
+    let file = plain.with_uncertainty(&analysis, Some(&tally.finish(4)));
     let text = to_text(&file);
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let found = &json["uncertainty"];
@@ -400,7 +400,7 @@ fn an_analysis_file_contains_the_identifiability_of_multipliers() {
     let plain = analysis_file(&analysis, &case);
     assert!(!to_text(&plain).contains("\"identifiability\""));
     let found: Vec<_> = analysis.models.iter().map(|m| analysis.identifiability(m)).collect();
-    let text = to_text(&plain.with_identifiability(&analysis, &found));
+    let text = to_text(&plain.with_identifiability(&analysis, Some(&found)));
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let model = &json["models"]["inflection_line"];
     let records = model["identifiability"]["multipliers"].as_object().expect("by name");

@@ -124,10 +124,10 @@ fn sections() -> Vec<(String, Section)> {
             let replicates = MonteCarlo::new(&case, &analysis, noise, 1).expect("sound noise");
             let mut tally = replicates.tally();
             (0..40).for_each(|index| tally.add(&replicates.replicate(index)));
-            file = file.with_uncertainty(&analysis, &tally.finish(40));
+            file = file.with_uncertainty(&analysis, Some(&tally.finish(40)));
             let found: Vec<_> =
                 analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
-            file = file.with_identifiability(&analysis, &found);
+            file = file.with_identifiability(&analysis, Some(&found));
         }
         let json: Value = serde_json::from_str(&to_text(&file)).expect("JSON");
         let all = json.as_object().expect("a file");

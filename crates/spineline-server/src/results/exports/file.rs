@@ -45,14 +45,9 @@ pub fn file_of(analysis: &Analysis, case: &Case, found: &Computed) -> AnalysisFi
         identifiability: found.identifiability().is_some(),
     };
     let origin = provenance(analysis).asking(&request);
-    let mut file = AnalysisFile::new(analysis, CaseFile::from_case(case), origin);
-    if let Some(found) = found.identifiability() {
-        file = file.with_identifiability(analysis, found);
-    }
-    if let Some(found) = found.uncertainty() {
-        file = file.with_uncertainty(analysis, found);
-    }
-    file
+    let file = AnalysisFile::new(analysis, CaseFile::from_case(case), origin);
+    let file = file.with_identifiability(analysis, found.identifiability());
+    file.with_uncertainty(analysis, found.uncertainty())
 }
 
 /// Program, options and case of an analysis.
