@@ -64,7 +64,10 @@ fn nearest_t2(
     let count = hypothesis.load.components();
     if count == 1 && hypothesis.base != Base::Free {
         let largest = largest(loaded, log_multipliers, spine);
-        let load = OneOnFilm { loaded, statics, largest };
+        let solve = |amount: f64, solution: &mut Solution| {
+            loaded.solve_one(&statics, amount, solution);
+        };
+        let load = OneComponent { solve, largest };
         let found = nearest_on_path(load, &ForceSign::ALL, measured);
         if !found.is_usable() {
             return None;
@@ -97,23 +100,6 @@ pub(super) fn largest(loaded: &LoadedFilm, log_multipliers: &[f64], spine: &Spin
     let sum: f64 =
         stiffness.map(|(row, &group)| row.nmm_per_rad[0] * log_multipliers[group].exp()).sum();
     MAX_FORCE_PER_STIFFNESS * sum / joints.len() as f64 / unit_n
-}
-
-/// One film under a load of one component.
-struct OneOnFilm<'s, 'a> {
-    loaded: &'s mut LoadedFilm,
-    statics: GeneralStatics<'a>,
-    largest: f64,
-}
-
-impl OneComponent for OneOnFilm<'_, '_> {
-    fn solve(&mut self, amount: f64, solution: &mut Solution) {
-        self.loaded.solve_one(&self.statics, amount, solution);
-    }
-
-    fn largest(&self) -> f64 {
-        self.largest
-    }
 }
 
 /// One film under a load of several components, which the base's angle may follow.

@@ -91,7 +91,7 @@ pub fn match_amplitude(
     sign: ForceSign,
     target: Angle,
 ) -> ForceMatch {
-    let mut path = Path::new(LineForce { statics, load }, AmplitudeTarget(target));
+    let mut path = Path::new(line_force(statics, load), AmplitudeTarget(target));
     path.follow(sign, 1);
     path.first_or_nearest()
 }
@@ -102,7 +102,7 @@ pub fn match_amplitude(
 /// path did not converge, the last entry is [`PathEnding::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
-    let mut path = Path::new(LineForce { statics, load }, AmplitudeTarget(target));
+    let mut path = Path::new(line_force(statics, load), AmplitudeTarget(target));
     for sign in ForceSign::ALL {
         path.follow(sign, usize::MAX);
     }
@@ -124,37 +124,32 @@ pub(crate) fn match_t2_near(
     force_n: f64,
     place: Frontal,
 ) -> Option<ForceMatch> {
-    Path::new(LineForce { statics, load }, NearestT2Target(place)).settle(force_n)
+    Path::new(line_force(statics, load), NearestT2Target(place)).settle(force_n)
 }
 
 /// Equilibria under a load of one component.
-pub(crate) trait OneComponent {
-    /// Equilibrium under an amount of the load, with its derivative by that amount as the only parameter. The shape in `solution`
-    /// is the start; without one, that is the unloaded spine.
-    fn solve(&mut self, amount: f64, solution: &mut Solution);
-
+pub(crate) struct OneComponent<L> {
+    /// Equilibrium under an amount of the load, with its derivative by that amount as the only parameter. The shape in the
+    /// solution is the start; without one, that is the unloaded spine.
+    pub solve: L,
     /// The largest amount that is looked at.
-    fn largest(&self) -> f64;
+    pub largest: f64,
 }
 
-pub(super) struct LineForce<'a> {
-    pub statics: &'a Statics<'a>,
-    pub load: &'a Load,
-}
-
-impl OneComponent for LineForce<'_> {
-    fn solve(&mut self, amount: f64, solution: &mut Solution) {
-        self.statics.solve(self.load, &[amount], &[Parameter::Load(0)], solution);
-    }
-
-    fn largest(&self) -> f64 {
-        MAX_FORCE_PER_STIFFNESS * self.statics.mean_lateral_nmm_per_rad()
-    }
+/// Equilibria under a force along a line.
+pub(super) fn line_force(
+    statics: &Statics<'_>,
+    load: &Load,
+) -> OneComponent<impl FnMut(f64, &mut Solution)> {
+    let solve = move |force_n: f64, solution: &mut Solution| {
+        statics.solve(load, &[force_n], &[Parameter::Load(0)], solution);
+    };
+    OneComponent { solve, largest: MAX_FORCE_PER_STIFFNESS * statics.mean_lateral_nmm_per_rad() }
 }
 
 /// The path of equilibria as a force grows from zero, and the zeros of a goal along it.
 pub(super) struct Path<L, S> {
-    load: L,
+    load: OneComponent<L>,
     target: S,
     /// The last shape and its state, converged or not.
     solution: Solution,
@@ -179,10 +174,10 @@ pub(super) struct Path<L, S> {
     converged: bool,
 }
 
-impl<L: OneComponent, S: SearchTarget> Path<L, S> {
-    pub fn new(load: L, target: S) -> Self {
+impl<L: FnMut(f64, &mut Solution), S: SearchTarget> Path<L, S> {
+    pub fn new(load: OneComponent<L>, target: S) -> Self {
         Self {
-            largest_n: load.largest(),
+            largest_n: load.largest,
             load,
             target,
             solution: Solution::default(),
@@ -206,7 +201,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
             // The start for a load that moves with T2.
             *self.solution.deformed.midpoints_mm.last_mut().expect("a vertebra") = t2;
         }
-        self.load.solve(force_n, &mut self.solution);
+        (self.load.solve)(force_n, &mut self.solution);
         let state = self.target.state(force_n, &self.solution, self.least_residual());
         self.last = Some(state);
         if self.solution.converged {
@@ -314,7 +309,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
     }
 }
 
-impl<L: OneComponent, S: SearchTarget> Branch for Path<L, S> {
+impl<L: FnMut(f64, &mut Solution), S: SearchTarget> Branch for Path<L, S> {
     type Place = PathState;
 
     fn start(&mut self) -> Option<PathState> {
@@ -393,7 +388,7 @@ impl<L: OneComponent, S: SearchTarget> Branch for Path<L, S> {
     }
 }
 
-impl<L: OneComponent, S: SearchTarget> Along for Path<L, S> {
+impl<L: FnMut(f64, &mut Solution), S: SearchTarget> Along for Path<L, S> {
     fn sample(&mut self, force_n: f64) -> Option<Sample> {
         let state = self.at(force_n);
         self.solution.converged.then(|| self.keep(state).sample())

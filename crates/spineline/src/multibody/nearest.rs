@@ -6,9 +6,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::matching::{ForceMatch, ForceSign, LineForce, OneComponent, Path};
+use super::matching::{ForceMatch, ForceSign, OneComponent, Path, line_force};
 use super::target::{NearestT2Target, T2_TOLERANCE_MM};
-use super::{FilmUnderLoad, Load, Statics};
+use super::{FilmUnderLoad, Load, Solution, Statics};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::spatial::Frontal;
 
@@ -38,7 +38,7 @@ pub fn match_t2(
     signs: &[ForceSign],
     place: Frontal,
 ) -> ForceMatch {
-    nearest_on_path(LineForce { statics, load }, signs, place)
+    nearest_on_path(line_force(statics, load), signs, place)
 }
 
 /// The amount of a load of one component that brings T2 nearest to a place.
@@ -46,7 +46,7 @@ pub fn match_t2(
 /// Where the path ends before the distance has a minimum, its nearest shape comes back as
 /// [`PathEnding::Unreachable`](super::PathEnding::Unreachable).
 pub(crate) fn nearest_on_path(
-    load: impl OneComponent,
+    load: OneComponent<impl FnMut(f64, &mut Solution)>,
     signs: &[ForceSign],
     place: Frontal,
 ) -> ForceMatch {
