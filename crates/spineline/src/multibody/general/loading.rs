@@ -1,5 +1,5 @@
 use crate::anatomy::{Levels, named, trunk_weight_shares};
-use crate::fault::Remedy;
+use crate::fault::{Remedy, faults};
 use crate::multibody::{SpineModel, Support};
 use crate::number::fixed;
 use crate::spatial::{Angle, Mat3, Vec3};
@@ -141,86 +141,81 @@ pub struct LoadingError {
     pub fault: LoadingFault,
 }
 
-/// Why a load cannot be applied.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum LoadingFault {
-    /// The vertebra does not exist, or is the fixed one.
-    #[error("it is on vertebra {vertebra}; loads act on 1 to {last}, and 0 is fixed")]
-    Vertebra {
-        /// What was given.
-        vertebra: usize,
-        /// The uppermost vertebra.
-        last: usize,
-    },
-    /// A number that is not finite.
-    #[error("{what} is not finite")]
-    NotFinite {
-        /// Which value.
-        what: &'static str,
-    },
-    /// A direction of no length, or not of length one.
-    #[error("the direction has length {length}, and must be a unit vector")]
-    Direction {
-        /// Its length.
-        length: f64,
-    },
-    /// Stiffness is not positive and finite.
-    #[error("its stiffness is {n_per_mm} per mm, and must be positive")]
-    Spring {
-        /// What was given.
-        n_per_mm: f64,
-    },
-    /// A strap without a length.
-    #[error(
-        "the strap is {} mm long on the erect spine, and the minimum is 1 mm",
-        fixed(*length_mm, 2)
-    )]
-    Strap {
-        /// Its length.
-        length_mm: f64,
-    },
-    /// A rod between vertebrae that are not there, or not in order.
-    #[error(
-        "it joins vertebrae {inferior} and {superior}, and 0 ≤ lower < upper ≤ {last} must hold"
-    )]
-    RodEnds {
-        /// Lower vertebra.
-        inferior: usize,
-        /// Upper vertebra.
-        superior: usize,
-        /// The uppermost vertebra.
-        last: usize,
-    },
-    /// Invalid rod pose.
-    #[error("its translation or rotation is not finite, or the rotation exceeds 180°")]
-    RodPose,
-    /// A rod that prescribes what the support holds.
-    #[error(
-        "it prescribes {component} of {}{}, but in the frontal support a rod prescribes only the tilt (rotation about x) and the lateral place (displacement along y) of its upper vertebra",
-        fixed(*value, 3),
-        component.unit()
-    )]
-    RodAgainstSupport {
-        /// What it prescribes.
-        component: RodComponent,
-        /// How much, in its unit.
-        value: f64,
-    },
-    /// A rod that moves vertebrae with too few joints between them.
-    #[error(
-        "it moves vertebra {superior} beside vertebra {inferior}, and between the two there are {joints} of the {least} joints that this takes"
-    )]
-    RodJoints {
-        /// Lower vertebra.
-        inferior: usize,
-        /// Upper vertebra.
-        superior: usize,
-        /// Joints between the two.
-        joints: usize,
-        /// Least number of joints.
-        least: usize,
-    },
+faults! {
+    /// Why a load cannot be applied.
+    #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+    #[non_exhaustive]
+    pub enum LoadingFault {
+        /// The vertebra does not exist, or is the fixed one.
+        #[error("it is on vertebra {vertebra}; loads act on 1 to {last}, and 0 is fixed")]
+        #[help("loads act on the vertebrae above the fixed one: L3 to T2 in a complete model")]
+        Vertebra {
+            vertebra: usize,
+            /// The uppermost vertebra.
+            last: usize,
+        },
+        /// A number that is not finite.
+        #[error("{what} is not finite")]
+        #[help("give finite numbers")]
+        NotFinite {
+            /// Which value.
+            what: &'static str,
+        },
+        /// A direction of no length, or not of length one.
+        #[error("the direction has length {length}, and must be a unit vector")]
+        #[help("divide the direction by its length")]
+        Direction {
+            length: f64,
+        },
+        /// Stiffness is not positive and finite.
+        #[error("its stiffness is {n_per_mm} per mm, and must be positive")]
+        #[help("give the stiffness as force per mm, greater than zero")]
+        Spring {
+            n_per_mm: f64,
+        },
+        /// A strap without a length.
+        #[error("the strap is {} mm long on the erect spine, and the minimum is 1 mm", fixed(*length_mm, 2))]
+        #[help("tie the strap to a point away from the vertebra")]
+        Strap {
+            length_mm: f64,
+        },
+        /// A rod between vertebrae that are not there, or not in order.
+        #[error("it joins vertebrae {inferior} and {superior}, and 0 ≤ lower < upper ≤ {last} must hold")]
+        #[help("name the lower vertebra first")]
+        RodEnds {
+            inferior: usize,
+            superior: usize,
+            /// The uppermost vertebra.
+            last: usize,
+        },
+        /// Invalid rod pose.
+        #[error("its translation or rotation is not finite, or the rotation exceeds 180°")]
+        #[help("give finite numbers")]
+        RodPose,
+        /// A rod that prescribes what the support holds.
+        #[error(
+            "it prescribes {component} of {}{}, but in the frontal support a rod prescribes only the tilt (rotation about x) and the lateral place (displacement along y) of its upper vertebra",
+            fixed(*value, 3),
+            component.unit()
+        )]
+        #[help("set it to 0, or take the free support")]
+        RodAgainstSupport {
+            component: RodComponent,
+            /// How much it prescribes, in the component's unit.
+            value: f64,
+        },
+        /// A rod that moves vertebrae with too few joints between them.
+        #[error("it moves vertebra {superior} beside vertebra {inferior}, and between the two there are {joints} of the {least} joints that this takes")]
+        #[help("take vertebrae with more joints between them, or a rod that keeps the erect pose")]
+        RodJoints {
+            inferior: usize,
+            superior: usize,
+            /// Joints between the two.
+            joints: usize,
+            /// Least number of joints.
+            least: usize,
+        },
+    }
 }
 
 named! {
@@ -251,21 +246,8 @@ impl RodComponent {
 impl LoadingError {
     /// What the user can do about it.
     #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self.fault {
-            LoadingFault::Vertebra { .. } => {
-                "loads act on the vertebrae above the fixed one: L3 to T2 in a complete model"
-            }
-            LoadingFault::NotFinite { .. } | LoadingFault::RodPose => "give finite numbers",
-            LoadingFault::Direction { .. } => "divide the direction by its length",
-            LoadingFault::Spring { .. } => "give the stiffness as force per mm, greater than zero",
-            LoadingFault::Strap { .. } => "tie the strap to a point away from the vertebra",
-            LoadingFault::RodEnds { .. } => "name the lower vertebra first",
-            LoadingFault::RodAgainstSupport { .. } => "set it to 0, or take the free support",
-            LoadingFault::RodJoints { .. } => {
-                "take vertebrae with more joints between them, or a rod that keeps the erect pose"
-            }
-        }
+    pub fn help(&self) -> &'static str {
+        self.fault.help()
     }
 }
 
