@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use super::{Corners, VertebraLandmarks};
 use crate::anatomy::{Level, Morphometry, PediclePlace, Side, named};
+use crate::fault::faults;
 use crate::spatial::{Angle, Frontal, Pixel};
 
 named! {
@@ -87,41 +88,34 @@ impl AxialRotation {
     }
 }
 
-/// Why two pedicles give no rotation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum PedicleFault {
-    /// A coordinate is not a number, or a pedicle lies outside of the picture.
-    #[error("a pedicle does not lie on the picture")]
-    OffImage,
-    /// The left one lies on the right of the other, across the axis of the body.
-    #[error("its left and right pedicles are exchanged")]
-    SidesExchanged,
-    /// One lies more than the width of the body from its centre.
-    #[error("a pedicle lies beside its body")]
-    FarFromBody,
-    /// Both lie far above or below the body, along its axis, and fit another vertebra.
-    #[error("its pedicles lie at the height of {fits}")]
-    OtherLevel {
-        /// The marked vertebra that they fit best.
-        fits: Level,
-    },
-}
-
-impl PedicleFault {
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(self) -> &'static str {
-        match self {
-            Self::OffImage => "mark both pedicles of this vertebra again, or remove them",
-            Self::SidesExchanged => {
-                "left and right are the patient's: exchange the two pedicles of this vertebra"
-            }
-            Self::FarFromBody | Self::OtherLevel { .. } => {
-                "mark the pedicles of this vertebra again: they lie within the outline of its body"
-            }
-        }
+faults! {
+    /// Why two pedicles give no rotation.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+    pub enum PedicleFault {
+        /// A coordinate is not a number, or a pedicle lies outside of the picture.
+        #[error("a pedicle does not lie on the picture")]
+        #[help("mark both pedicles of this vertebra again, or remove them")]
+        OffImage,
+        /// The left one lies on the right of the other, across the axis of the body.
+        #[error("its left and right pedicles are exchanged")]
+        #[help("left and right are the patient's: exchange the two pedicles of this vertebra")]
+        SidesExchanged,
+        /// One lies more than the width of the body from its centre.
+        #[error("a pedicle lies beside its body")]
+        #[help(WITHIN_BODY)]
+        FarFromBody,
+        /// Both lie far above or below the body, along its axis, and fit another vertebra.
+        #[error("its pedicles lie at the height of {fits}")]
+        #[help(WITHIN_BODY)]
+        OtherLevel {
+            /// The marked vertebra that they fit best.
+            fits: Level,
+        },
     }
 }
+
+const WITHIN_BODY: &str =
+    "mark the pedicles of this vertebra again: they lie within the outline of its body";
 
 /// Height of two pedicles over the middle of a body along its axis, as a part of the height of the body: mean of both.
 pub(super) fn height_over(body: &Corners<Frontal>, pedicles: [Frontal; 2]) -> f64 {

@@ -1,4 +1,5 @@
 use crate::anatomy::{ImageSide, named};
+use crate::fault::faults;
 use crate::spatial::{Angle, Frontal};
 
 /// The four corners of a vertebral body, named by the **patient's** sides; on a lateral film the anterior corners stand for the left
@@ -57,37 +58,26 @@ impl CornerName {
     }
 }
 
-/// Why four corners are not a vertebral body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum CornerFault {
-    /// The diagonals do not meet inside: two neighbouring corners are exchanged, or one is far off.
-    #[error("the diagonals of its corners do not meet inside the body")]
-    Crossed,
-    /// The left corners lie on the right.
-    #[error("its left and right corners are exchanged")]
-    SidesExchanged,
-    /// The inferior corners lie above the superior ones.
-    #[error("its superior and inferior corners are exchanged")]
-    UpsideDown,
-    /// Corners coincide or lie on one line.
-    #[error("its corners coincide or lie on one line")]
-    Flat,
-}
-
-impl CornerFault {
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(self) -> &'static str {
-        match self {
-            Self::Crossed => {
-                "two corners are exchanged or one is far off: mark them as superior left, superior right, inferior left, inferior right"
-            }
-            Self::SidesExchanged => {
-                "left and right are the patient's: exchange the left and right corners of this vertebra"
-            }
-            Self::UpsideDown => "exchange the superior and inferior corners of this vertebra",
-            Self::Flat => "mark the four corners of this vertebra again",
-        }
+faults! {
+    /// Why four corners are not a vertebral body.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+    pub enum CornerFault {
+        /// The diagonals do not meet inside: two neighbouring corners are exchanged, or one is far off.
+        #[error("the diagonals of its corners do not meet inside the body")]
+        #[help("two corners are exchanged or one is far off: mark them as superior left, superior right, inferior left, inferior right")]
+        Crossed,
+        /// The left corners lie on the right.
+        #[error("its left and right corners are exchanged")]
+        #[help("left and right are the patient's: exchange the left and right corners of this vertebra")]
+        SidesExchanged,
+        /// The inferior corners lie above the superior ones.
+        #[error("its superior and inferior corners are exchanged")]
+        #[help("exchange the superior and inferior corners of this vertebra")]
+        UpsideDown,
+        /// Corners coincide or lie on one line.
+        #[error("its corners coincide or lie on one line")]
+        #[help("mark the four corners of this vertebra again")]
+        Flat,
     }
 }
 
