@@ -124,13 +124,13 @@ fn newton(case: &Case, model: &SpineModel, start: Start) -> Row {
         let loading = Loading::single(case.vertebrae.len() - 1, line);
         let mut work = statics.work(&loading).expect("a line can be applied to T2");
         if matches!(start, Start::Near) {
-            converged &= statics.solve_near(&loading, 0.95, &mut work).converged;
+            converged &= statics.solve_near(&loading, 0.95, &mut work);
         }
         let hinges = work.hinges_mut().to_vec();
         (loading, work, hinges)
     });
     let midpoints_mm = bends.iter_mut().map(|(loading, work, _)| {
-        converged &= statics.solve_near(loading, 1.0, work).converged;
+        converged &= statics.solve_near(loading, 1.0, work);
         work.midpoints_mm().iter().map(|&midpoint| midpoint.into()).collect()
     });
     let midpoints_mm = midpoints_mm.collect();

@@ -81,7 +81,7 @@ impl LoadedFilm {
         part: f64,
         limit_rad: f64,
     ) -> bool {
-        let converged = statics.solve_near(loading, part, &mut self.work).converged;
+        let converged = statics.solve_near(loading, part, &mut self.work);
         let hinges = self.work.hinges_mut().iter();
         converged && hinges.fold(0.0, |most: f64, turns| most.max(turns.amax())) <= limit_rad
     }

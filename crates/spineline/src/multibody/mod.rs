@@ -41,8 +41,8 @@ pub(crate) use film_under_load::{FilmUnderLoad, MarchedFilm, TurnedBase, Wanted}
 pub use follow::{BranchEventKind, PathEnding};
 pub use general::{
     BodyLoad, BranchEvent, Equilibrium, EquilibriumPath, GeneralStatics, Goal, LoadItem, LoadPlace,
-    Loading, LoadingError, LoadingFault, NearbyReport, NewtonWork, OnPoint, PathOptions, PathPoint,
-    Rod, RodComponent, ShapeParameter, SpringError, Timing, UNIT_TOLERANCE,
+    Loading, LoadingError, LoadingFault, NewtonWork, OnPoint, PathOptions, PathPoint, Rod,
+    RodComponent, ShapeParameter, SpringError, Timing, UNIT_TOLERANCE,
 };
 pub(crate) use geometry::disc_mm;
 pub use geometry::{Joint, SpineModel};

@@ -31,4 +31,4 @@ pub use loading::{
 };
 pub use path::{Goal, OnPoint, PathOptions};
 pub use rates::ShapeParameter;
-pub use solver::{GeneralStatics, NearbyReport, NewtonWork, SpringError};
+pub use solver::{GeneralStatics, NewtonWork, SpringError};

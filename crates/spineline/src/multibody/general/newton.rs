@@ -55,7 +55,6 @@ pub(super) enum Closing<'c> {
 pub(super) struct NewtonReport {
     pub ending: NewtonEnding,
     pub iterations: u32,
-    pub residual_rad: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,25 +101,20 @@ impl Newton {
         factors: &mut Factors,
         closing: &Closing<'_>,
     ) -> NewtonReport {
-        let failed = |iterations, residual_rad| NewtonReport {
-            ending: NewtonEnding::Failed,
-            iterations,
-            residual_rad,
-        };
-        let mut residual_rad = f64::NAN;
+        let failed = |iterations| NewtonReport { ending: NewtonEnding::Failed, iterations };
         for iterations in 1..=MAX_ITERATIONS {
             balance.evaluate(factors, &mut self.state);
-            residual_rad = balance.residual_rad(&self.state);
-            if !residual_rad.is_finite() || !self.elimination.factor(balance, &self.state) {
-                return failed(iterations, residual_rad);
+            let is_finite = balance.residual_rad(&self.state).is_finite();
+            if !is_finite || !self.elimination.factor(balance, &self.state) {
+                return failed(iterations);
             }
             let step = self.step(balance, factors, closing);
             if step.is_nan() || step > MAX_STEP_RAD {
-                return failed(iterations, residual_rad);
+                return failed(iterations);
             }
             if step <= SMALL_STEP_RAD {
                 balance.evaluate(factors, &mut self.state);
-                residual_rad = balance.residual_rad(&self.state);
+                let residual_rad = balance.residual_rad(&self.state);
                 let (mm, rad) = balance.rod_gap(&self.state);
                 let ending = if residual_rad.is_nan() || residual_rad > BALANCED_RAD {
                     NewtonEnding::Failed
@@ -129,10 +123,10 @@ impl Newton {
                 } else {
                     NewtonEnding::Balanced
                 };
-                return NewtonReport { ending, iterations, residual_rad };
+                return NewtonReport { ending, iterations };
             }
         }
-        failed(MAX_ITERATIONS, residual_rad)
+        failed(MAX_ITERATIONS)
     }
 
     /// One step; its largest turn, or NaN.

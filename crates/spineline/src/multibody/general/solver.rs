@@ -65,17 +65,6 @@ pub struct GeneralStatics<'a> {
     support: Support,
 }
 
-/// How Newton from a nearby start ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NearbyReport {
-    /// Whether hinges and rods balance.
-    pub converged: bool,
-    /// Newton's iterations.
-    pub iterations: u32,
-    /// Largest difference between a hinge angle and the one of its moment; NaN without a shape.
-    pub residual_rad: f64,
-}
-
 /// Newton's buffers for one spine under one loading: made once, used for many starts and factors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewtonWork(pub(super) Newton);
@@ -148,26 +137,18 @@ impl<'a> GeneralStatics<'a> {
     }
 
     /// Equilibrium under a loading whose proportional loads are multiplied by a factor, by Newton from the hinge angles in
-    /// `work`. No allocation.
+    /// `work`; whether hinges and rods balance. No allocation.
     ///
     /// The start must be near: nothing shows which branch was found. `work` must have been made for this loading.
     ///
     /// # Accuracy
     /// Newton stops once a step is below 1e-9 rad, so the error is of the order of its square, and rounding.
-    pub fn solve_near(
-        &self,
-        loading: &Loading,
-        factor: f64,
-        work: &mut NewtonWork,
-    ) -> NearbyReport {
+    #[must_use]
+    pub fn solve_near(&self, loading: &Loading, factor: f64, work: &mut NewtonWork) -> bool {
         let mut factors =
             Factors { constant: 1.0, proportional: factor, varies: Timing::Proportional };
         let report = work.0.correct(&self.balance(loading), &mut factors, &Closing::Factor);
-        NearbyReport {
-            converged: report.ending == NewtonEnding::Balanced,
-            iterations: report.iterations,
-            residual_rad: report.residual_rad,
-        }
+        report.ending == NewtonEnding::Balanced
     }
 
     /// Follows the branch of equilibria from the erect spine: first while the constant loads are applied and the springs' moments in
