@@ -251,7 +251,8 @@ fn matches(statics: &Statics<'_>, load: &Load, target: Target, top: Frontal) -> 
         Target::Amplitude => amplitude_matches(statics, load, top.lateral_tilt()),
         Target::NearestT2 { sign, start } => {
             let followed = start.and_then(|start| start.follow(statics, load, sign, top));
-            vec![followed.unwrap_or_else(|| nearest_of_signs(statics, load, sign, top))]
+            let signs = sign.as_ref().map_or(&ForceSign::ALL[..], std::slice::from_ref);
+            vec![followed.unwrap_or_else(|| match_t2(statics, load, signs, top))]
         }
     };
     for found in &mut found {
@@ -261,18 +262,6 @@ fn matches(statics: &Statics<'_>, load: &Load, target: Target, top: Frontal) -> 
         }
     }
     found
-}
-
-fn nearest_of_signs(
-    statics: &Statics<'_>,
-    load: &Load,
-    sign: Option<ForceSign>,
-    place: Frontal,
-) -> ForceMatch {
-    match sign {
-        None => match_t2(statics, load, &ForceSign::ALL, place),
-        Some(sign) => match_t2(statics, load, &[sign], place),
-    }
 }
 
 /// Forces that were found with the errors of their Ferguson angles, the best first: a shape that met its target always comes
