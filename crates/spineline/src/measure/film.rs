@@ -83,20 +83,20 @@ impl ImageGeometry {
     /// ```
     #[must_use]
     pub fn frontal(&self, place: Pixel) -> Frontal {
-        let (column_mm, row_mm) = self.steps();
+        let [column_mm, row_mm] = self.steps();
         Frontal::new(self.left_per_column() * column_mm * place.column_px, -row_mm * place.row_px)
     }
 
     /// The inverse of [`ImageGeometry::frontal`].
     #[must_use]
     pub fn pixel(&self, point: Frontal) -> Pixel {
-        let (column_mm, row_mm) = self.steps();
+        let [column_mm, row_mm] = self.steps();
         Pixel::new(point.y_mm / (self.left_per_column() * column_mm), -point.z_mm / row_mm)
     }
 
-    /// Size of one column and one row.
-    fn steps(&self) -> (f64, f64) {
-        self.spacing.map_or((1.0, 1.0), |spacing| (spacing.column_mm, spacing.row_mm))
+    /// Size of one column and one row, in the unit of the film.
+    pub(crate) fn steps(&self) -> [f64; 2] {
+        self.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm])
     }
 
     /// An angle to the image's vertical, positive clockwise as seen, as a tilt of the patient; its own inverse.

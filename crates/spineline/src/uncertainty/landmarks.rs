@@ -286,7 +286,7 @@ fn equivalent_axis_sd(
         - corners.inferior_right)
         * 0.5;
     let height = axis.norm_mm();
-    let steps = image.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
+    let steps = image.steps();
     // Across the axis of the body.
     let across = [sd_px[0] * steps[0] * axis.z_mm, sd_px[1] * steps[1] * axis.y_mm];
     Angle::from_rad(across[0].hypot(across[1]) / (height * height))
@@ -308,7 +308,7 @@ fn film_noise(
             return Ok(placement_noise(readings, outline));
         }
     };
-    let steps = image.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
+    let steps = image.steps();
     let (source, sd_px, axis_sd) = match noise {
         LandmarkNoise::Pixels(sd_px) => {
             if !(sd_px.is_finite() && sd_px >= 0.0) {
@@ -340,9 +340,7 @@ fn lateral_sd_px(case: &Case, nominal: &Analysis, noise: LandmarkNoise) -> [f64;
     }
     let of_one = readings_per_level(&film.readings).sqrt();
     let sd = of_one * space.corner_sd_mm / space.alignment.scale;
-    let steps =
-        film.image.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
-    steps.map(|step| sd / step)
+    film.image.steps().map(|step| sd / step)
 }
 
 /// A film's deviation is for means over its readings; one reading has more.

@@ -119,7 +119,7 @@ fn row(
         let row_px = image.pixel(Frontal::new(0.0, height)).row_px;
         Pixel::new(column_px, row_px)
     });
-    HeightLine { level: side.level, ends, sd_px: sd / row_size(image) }
+    HeightLine { level: side.level, ends, sd_px: sd / image.steps()[1] }
 }
 
 /// The line of the lateral film at the height of a vertebra of the erect one.
@@ -138,10 +138,5 @@ fn line_on_lateral(
     let ends = [0.0, last].map(|column_px| image.pixel(at(column_px).0));
     let (_, alignment_sd) = at(0.5 * last);
     let sd = alignment_sd.hypot(mark.sd / alignment.scale);
-    HeightLine { level, ends, sd_px: sd / row_size(image) }
-}
-
-/// The distance of two rows, in the unit of the film.
-fn row_size(image: &ImageGeometry) -> f64 {
-    image.spacing.map_or(1.0, |spacing| spacing.row_mm)
+    HeightLine { level, ends, sd_px: sd / image.steps()[1] }
 }
