@@ -98,15 +98,23 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     f64::midpoint(at((values.len().max(1) - 1) / 2), at(values.len() / 2))
 }
 
+/// The bodies of every vertebra, with their observers, in the order of the readings.
+pub(super) fn bodies_of_levels<'a>(
+    readings: &'a [ReadBodies<'_>],
+) -> BTreeMap<Level, Vec<(&'a str, &'a Corners<Frontal>)>> {
+    let mut marked: BTreeMap<Level, Vec<_>> = BTreeMap::new();
+    for reading in readings {
+        for (level, body) in &reading.bodies {
+            marked.entry(*level).or_default().push((reading.id.observer.as_str(), body));
+        }
+    }
+    marked
+}
+
 /// Standard deviation of a coordinate of a corner, mean over the readings, from how they differ, in the unit of the bodies; `None` where
 /// nothing was read twice.
 pub(super) fn corner_sd(readings: &[ReadBodies<'_>]) -> Option<f64> {
-    let mut marked: BTreeMap<Level, Vec<(&str, &Corners<Frontal>)>> = BTreeMap::new();
-    for reading in readings {
-        for (level, body) in &reading.bodies {
-            marked.entry(*level).or_default().push((&reading.id.observer, body));
-        }
-    }
+    let marked = bodies_of_levels(readings);
     let mut pool = ReadingSquares::default();
     for bodies in marked.values() {
         for corner in 0..4 {

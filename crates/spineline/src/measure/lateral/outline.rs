@@ -1,8 +1,6 @@
-use std::collections::BTreeMap;
-
 use crate::anatomy::Level;
 use crate::measure::Corners;
-use crate::measure::bodies::{ReadBodies, corner_sd};
+use crate::measure::bodies::{ReadBodies, bodies_of_levels, corner_sd};
 use crate::spatial::{Angle, Frontal};
 
 /// One vertebra as a lateral film shows it.
@@ -42,12 +40,7 @@ pub struct LateralOutline {
 impl LateralOutline {
     /// Of the bodies of its readings, which were checked.
     pub(super) fn of(readings: &[ReadBodies<'_>], has_spacing: bool, simultaneous: bool) -> Self {
-        let mut marked: BTreeMap<Level, Vec<(&str, &Corners<Frontal>)>> = BTreeMap::new();
-        for reading in readings {
-            for (level, body) in &reading.bodies {
-                marked.entry(*level).or_default().push((&reading.id.observer, body));
-            }
-        }
+        let marked = bodies_of_levels(readings);
         let vertebrae = marked.iter().filter_map(|(&level, bodies)| mean_vertebra(level, bodies));
         Self {
             vertebrae: vertebrae.collect(),
