@@ -26,5 +26,5 @@ pub use regions::{RegionBounds, Regions};
 pub use shares::JointShares;
 pub use space::{
     Dimension, MaximumCurvature, SagittalAngle, SagittalPart, SpatialMeasures, SpatialNumber,
-    SpinalLength,
+    SpinalLength, WithSd,
 };

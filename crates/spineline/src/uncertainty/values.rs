@@ -76,12 +76,12 @@ impl AnalysisQuantity {
         }
         let measures = measures?;
         Some(match self.kind {
-            QuantityKind::LargestCurve => measures.curve(self.region?)?.angle_3d.deg(),
-            QuantityKind::Convexity => measures.curve(self.region?)?.convexity_3d.deg(),
-            QuantityKind::SpinalLength => self.length(measures.length.length_3d_mm, analysis),
+            QuantityKind::LargestCurve => measures.curve(self.region?)?.angle_3d.value.deg(),
+            QuantityKind::Convexity => measures.curve(self.region?)?.convexity_3d.value.deg(),
+            QuantityKind::SpinalLength => self.length(measures.length.length_3d_mm.value, analysis),
             kind => {
                 let mut angles = measures.sagittal.iter();
-                angles.find(|one| QuantityKind::sagittal(one.part) == kind)?.axes_3d.deg()
+                angles.find(|one| QuantityKind::sagittal(one.part) == kind)?.axes_3d.value.deg()
             }
         })
     }

@@ -322,7 +322,7 @@ fn kyphosis_and_lordosis_in_space_match_the_true_axes() {
                 SagittalPart::LordosisL1L5 => low - high,
                 _ => high - low,
             };
-            assert_near(angle.axes_3d.deg(), turn.deg(), 1e-6, angle.part.key());
+            assert_near(angle.axes_3d.value.deg(), turn.deg(), 1e-6, angle.part.key());
             assert!(turn.deg() > 0.0, "{shape:?}: {}", angle.part.key());
         }
         let polygon: f64 = phantom
@@ -330,8 +330,8 @@ fn kyphosis_and_lordosis_in_space_match_the_true_axes() {
             .windows(2)
             .map(|pair| (pair[1].midpoint_mm - pair[0].midpoint_mm).norm())
             .sum();
-        assert_near(measures.length.length_3d_mm, polygon, 1e-6, "length");
-        assert!(measures.length.length_2d_mm < polygon);
+        assert_near(measures.length.length_3d_mm.value, polygon, 1e-6, "length");
+        assert!(measures.length.length_2d_mm.value < polygon);
         assert_eq!(measures.length.ends, [Level::L5, Level::T1]);
     }
 }
@@ -342,8 +342,8 @@ fn a_lateral_film_shows_two_degrees_of_kyphosis_too_many() {
     let (found, _) = measured(&generate_in_space(&SpaceSetup::default()));
     let measures = SpatialMeasures::of(&found, &[], &[]);
     let angle = measures.sagittal(SagittalPart::KyphosisT5T12).expect("both films");
-    assert_near(angle.axes_2d.deg(), 31.5, 0.05, "2-D");
-    assert_near(angle.axes_3d.deg(), 29.5, 0.05, "3-D");
+    assert_near(angle.axes_2d.value.deg(), 31.5, 0.05, "2-D");
+    assert_near(angle.axes_3d.value.deg(), 29.5, 0.05, "3-D");
 }
 
 /// On no vertical plane is the angle between the true axes of a curve's ends larger.
@@ -362,10 +362,11 @@ fn no_plane_shows_a_larger_curve_than_the_plane_of_maximum_curvature() {
         };
         let shown = |azimuth: f64| (angle(high, azimuth) - angle(low, azimuth)).deg();
         let largest = (0..3600).map(|i| shown(0.1 * f64::from(i))).fold(0.0, f64::max);
-        assert_near(curve.angle_3d.deg(), largest, 1e-3, "angle");
-        assert!(curve.angle_3d >= curve.frontal_2d && curve.angle_3d >= curve.lateral_2d);
+        assert_near(curve.angle_3d.value.deg(), largest, 1e-3, "angle");
+        let in_space = curve.angle_3d.value;
+        assert!(in_space >= curve.frontal_2d.value && in_space >= curve.lateral_2d.value);
         // The convexity lies opposite to where the upper axis leans.
-        assert_near(shown(curve.convexity_3d.deg() + 180.0), largest, 1e-3, "convexity");
+        assert_near(shown(curve.convexity_3d.value.deg() + 180.0), largest, 1e-3, "convexity");
     }
 }
 
@@ -377,10 +378,10 @@ fn replicates_vary_the_numbers_in_space_by_their_deviations() {
         found.spread(kind.on(Posture::Erect)).and_then(|spread| spread.sd).expect("measured")
     };
     for angle in &measures.sagittal {
-        let share = sd(QuantityKind::sagittal(angle.part)) / angle.sd_3d.deg();
+        let share = sd(QuantityKind::sagittal(angle.part)) / angle.axes_3d.sd.deg();
         assert!((0.8..1.2).contains(&share), "{}: {share}", angle.part.key());
     }
-    let share = sd(QuantityKind::SpinalLength) / measures.length.sd_3d_mm;
+    let share = sd(QuantityKind::SpinalLength) / measures.length.length_3d_mm.sd;
     assert!((0.8..1.2).contains(&share), "length: {share}");
 }
 

@@ -59,6 +59,15 @@ impl SagittalPart {
     }
 }
 
+/// A number with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WithSd<T> {
+    /// The number.
+    pub value: T,
+    /// Its standard deviation.
+    pub sd: T,
+}
+
 /// A kyphosis or lordosis, positive where it is one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SagittalAngle {
@@ -66,17 +75,11 @@ pub struct SagittalAngle {
     pub part: SagittalPart,
     /// 2-D: superior endplate of the upper against inferior endplate of the lower vertebra on the lateral film, as clinicians
     /// measure.
-    pub endplates_2d: Angle,
-    /// Its standard deviation.
-    pub endplates_sd: Angle,
+    pub endplates_2d: WithSd<Angle>,
     /// 2-D: between the axes of both vertebrae on the lateral film.
-    pub axes_2d: Angle,
-    /// Its standard deviation.
-    pub axes_2d_sd: Angle,
+    pub axes_2d: WithSd<Angle>,
     /// 3-D: difference of the pitches of both axes in space.
-    pub axes_3d: Angle,
-    /// Standard deviation of the last one.
-    pub sd_3d: Angle,
+    pub axes_3d: WithSd<Angle>,
 }
 
 /// The plane of maximum curvature of one curve.
@@ -94,21 +97,13 @@ pub struct MaximumCurvature {
     /// Its end vertebrae.
     pub ends: CobbEnds,
     /// 2-D: the angle between the axes on the erect film.
-    pub frontal_2d: Angle,
-    /// Its standard deviation.
-    pub frontal_sd: Angle,
+    pub frontal_2d: WithSd<Angle>,
     /// 2-D: the same on the lateral film.
-    pub lateral_2d: Angle,
-    /// Its standard deviation.
-    pub lateral_sd: Angle,
+    pub lateral_2d: WithSd<Angle>,
     /// 3-D: the angle in the plane of maximum curvature.
-    pub angle_3d: Angle,
-    /// Its standard deviation.
-    pub angle_sd: Angle,
+    pub angle_3d: WithSd<Angle>,
     /// 3-D: the direction of the convexity in that plane: 0 to the front, 90° to the patient's left, 180° to the back.
-    pub convexity_3d: Angle,
-    /// Its standard deviation.
-    pub convexity_sd: Angle,
+    pub convexity_3d: WithSd<Angle>,
 }
 
 /// Length of the polygon through the midpoints.
@@ -116,15 +111,10 @@ pub struct MaximumCurvature {
 pub struct SpinalLength {
     /// The lowest and the highest vertebra on both films.
     pub ends: [Level; 2],
-    /// 2-D: on the erect film.
-    pub length_2d_mm: f64,
-    /// Its standard deviation by landmarks.
-    pub sd_2d_mm: f64,
-    /// 3-D.
-    pub length_3d_mm: f64,
-    /// Standard deviation of the last one, by landmarks and the alignment of the lateral film; without the scale of the erect
-    /// film.
-    pub sd_3d_mm: f64,
+    /// 2-D: on the erect film; the deviation by landmarks.
+    pub length_2d_mm: WithSd<f64>,
+    /// 3-D; the deviation by landmarks and the alignment of the lateral film, without the scale of the erect film.
+    pub length_3d_mm: WithSd<f64>,
 }
 
 /// Numbers of the erect spine in space. Each names what it is: 2-D on one film, 3-D in space.
@@ -177,17 +167,20 @@ fn sagittal_angle(space: &SpatialOutline, part: SagittalPart) -> Option<Sagittal
     let [low, high] = part.ends();
     let (i, j) = place(low).zip(place(high))?;
     let (low, high) = (&space.vertebrae[i], &space.vertebrae[j]);
-    let between = |low: Angle, high: Angle| (high - low).wrapped() * part.sense();
+    let turn = |low: Angle, high: Angle, sd: Angle| {
+        let value = (high - low).wrapped() * part.sense();
+        WithSd { value, sd }
+    };
     let covariance = space.pitch_covariance();
     let variance = covariance[(i, i)] + covariance[(j, j)] - 2.0 * covariance[(i, j)];
+    let endplate_sd = together(low.endplate_sd, high.endplate_sd);
+    let lateral_sd = together(low.lateral_sd, high.lateral_sd);
+    let sd = Angle::from_rad(variance.max(0.0).sqrt());
     Some(SagittalAngle {
         part,
-        endplates_2d: between(low.endplates[1], high.endplates[0]),
-        endplates_sd: together(low.endplate_sd, high.endplate_sd),
-        axes_2d: between(low.lateral_pitch, high.lateral_pitch),
-        axes_2d_sd: together(low.lateral_sd, high.lateral_sd),
-        axes_3d: between(low.orientation.pitch, high.orientation.pitch),
-        sd_3d: Angle::from_rad(variance.max(0.0).sqrt()),
+        endplates_2d: turn(low.endplates[1], high.endplates[0], endplate_sd),
+        axes_2d: turn(low.lateral_pitch, high.lateral_pitch, lateral_sd),
+        axes_3d: turn(low.orientation.pitch, high.orientation.pitch, sd),
     })
 }
 
@@ -204,7 +197,7 @@ fn maximum_curvature(space: &SpatialOutline, curve: &ClinicalCurve) -> Option<Ma
     let high = space.vertebra(curve.ends.superior)?;
     let angles =
         [low.orientation.tilt, high.orientation.tilt, low.lateral_pitch, high.lateral_pitch];
-    let [angle_3d, convexity_3d] = largest_angle(&angles);
+    let largest = largest_angle(&angles);
     let turn_sd = space.alignment.turn_sd();
     // Four errors of landmarks, and the turn of the lateral film, which both of its angles share.
     let errors: [EndAngles4; 5] = [
@@ -225,18 +218,16 @@ fn maximum_curvature(space: &SpatialOutline, curve: &ClinicalCurve) -> Option<Ma
             *variance += ((more - less).wrapped().rad() / STEP).powi(2);
         }
     }
-    let [angle_sd, convexity_sd] = variances.map(|variance| Angle::from_rad(variance.sqrt()));
+    let in_space =
+        |i: usize| WithSd { value: largest[i], sd: Angle::from_rad(variances[i].sqrt()) };
+    let on_film = |low: Angle, high: Angle, sd: Angle| WithSd { value: (high - low).abs(), sd };
     Some(MaximumCurvature {
         region: curve.region,
         ends: curve.ends,
-        frontal_2d: (angles[1] - angles[0]).abs(),
-        frontal_sd: together(low.tilt_sd, high.tilt_sd),
-        lateral_2d: (angles[3] - angles[2]).abs(),
-        lateral_sd: together(low.lateral_sd, high.lateral_sd),
-        angle_3d,
-        angle_sd,
-        convexity_3d,
-        convexity_sd,
+        frontal_2d: on_film(angles[0], angles[1], together(low.tilt_sd, high.tilt_sd)),
+        lateral_2d: on_film(angles[2], angles[3], together(low.lateral_sd, high.lateral_sd)),
+        angle_3d: in_space(0),
+        convexity_3d: in_space(1),
     })
 }
 
@@ -280,13 +271,14 @@ fn spinal_length(space: &SpatialOutline) -> SpinalLength {
         pairs().map(|(link, unit)| -unit.x * link.z).sum(),
     );
     let alignment = (rates.transpose() * space.alignment.covariance * rates)[(0, 0)];
-    let total = |links: &[Vec3]| links.iter().map(|link| link.norm()).sum();
+    let length = |links: &[Vec3], variance: f64| WithSd {
+        value: links.iter().map(|link| link.norm()).sum(),
+        sd: (landmark_variance_mm2(all, links) + variance).sqrt(),
+    };
     SpinalLength {
         ends: [all[0].level, all[last].level],
-        length_2d_mm: total(&frontal),
-        sd_2d_mm: landmark_variance_mm2(all, &frontal).sqrt(),
-        length_3d_mm: total(&links),
-        sd_3d_mm: (landmark_variance_mm2(all, &links) + alignment).sqrt(),
+        length_2d_mm: length(&frontal, 0.0),
+        length_3d_mm: length(&links, alignment),
     }
 }
 

@@ -1,4 +1,4 @@
-use super::SpatialMeasures;
+use super::{SpatialMeasures, WithSd};
 use crate::anatomy::{Region, named};
 use crate::measure::LengthScale;
 use crate::number::{NORMAL_975, with_sd};
@@ -63,27 +63,25 @@ impl SpatialMeasures {
         for angle in &self.sagittal {
             let [low, high] = angle.part.ends();
             let [endplates, axes] = angle.part.names();
-            let mut add = |(key, label), dimension, [value, sd]: [Angle; 2]| {
+            let mut add = |(key, label), dimension, found| {
                 let between = format!("{high}–{low}");
-                all.push(degrees(key, label, between, None, dimension, [value, sd]));
+                all.push(degrees(key, label, between, None, dimension, found));
             };
-            add(endplates, TwoD, [angle.endplates_2d, angle.endplates_sd]);
-            add(axes, TwoD, [angle.axes_2d, angle.axes_2d_sd]);
-            add(axes, ThreeD, [angle.axes_3d, angle.sd_3d]);
+            add(endplates, TwoD, angle.endplates_2d);
+            add(axes, TwoD, angle.axes_2d);
+            add(axes, ThreeD, angle.axes_3d);
         }
         for curve in &self.curves {
-            let mut add = |key, label, dimension, values: [Angle; 2]| {
+            let mut add = |key, label, dimension, found| {
                 let between = format!("{}–{}", curve.ends.superior, curve.ends.inferior);
-                all.push(degrees(key, label, between, Some(curve.region), dimension, values));
+                all.push(degrees(key, label, between, Some(curve.region), dimension, found));
             };
-            let frontal = [curve.frontal_2d, curve.frontal_sd];
-            add("curve_frontal", "curve on the erect film, axes", TwoD, frontal);
-            let lateral = [curve.lateral_2d, curve.lateral_sd];
-            add("curve_lateral", "curve on the lateral film, axes", TwoD, lateral);
-            let largest = [curve.angle_3d, curve.angle_sd];
-            add("curve_largest", "curve in its plane of maximum curvature", ThreeD, largest);
+            add("curve_frontal", "curve on the erect film, axes", TwoD, curve.frontal_2d);
+            add("curve_lateral", "curve on the lateral film, axes", TwoD, curve.lateral_2d);
+            let label = "curve in its plane of maximum curvature";
+            add("curve_largest", label, ThreeD, curve.angle_3d);
             let label = "direction of its convexity (0 front, 90 left, 180 back, -90 right)";
-            add("curve_convexity", label, ThreeD, [curve.convexity_3d, curve.convexity_sd]);
+            add("curve_convexity", label, ThreeD, curve.convexity_3d);
         }
         for (region, found) in &self.apices {
             all.push(degrees(
@@ -92,12 +90,12 @@ impl SpatialMeasures {
                 found.level.to_string(),
                 Some(*region),
                 ThreeD,
-                [found.stokes, found.sd],
+                WithSd { value: found.stokes, sd: found.sd },
             ));
         }
         let [low, high] = self.length.ends;
         let factor = scale.units_per_mm;
-        let length = |dimension, [value, sd]: [f64; 2]| SpatialNumber {
+        let length = |dimension, WithSd { value, sd }: WithSd<f64>| SpatialNumber {
             key: "spinal_length",
             label: "length of the spine through its midpoints",
             between: format!("{high}–{low}"),
@@ -107,8 +105,8 @@ impl SpatialMeasures {
             value: value * factor,
             sd: sd * factor,
         };
-        all.push(length(TwoD, [self.length.length_2d_mm, self.length.sd_2d_mm]));
-        all.push(length(ThreeD, [self.length.length_3d_mm, self.length.sd_3d_mm]));
+        all.push(length(TwoD, self.length.length_2d_mm));
+        all.push(length(ThreeD, self.length.length_3d_mm));
         all
     }
 }
@@ -119,8 +117,8 @@ fn degrees(
     between: String,
     region: Option<Region>,
     dimension: Dimension,
-    [value, sd]: [Angle; 2],
+    found: WithSd<Angle>,
 ) -> SpatialNumber {
-    let (value, sd) = (value.deg(), sd.deg());
+    let (value, sd) = (found.value.deg(), found.sd.deg());
     SpatialNumber { key, label, between, region, dimension, unit: "deg", value, sd }
 }
