@@ -75,7 +75,7 @@ impl AxialRotation {
     #[must_use]
     pub fn side(&self) -> Option<Side> {
         // Positive about a vertical axis is to the left.
-        self.stokes.side().map(|side| if side == Side::Right { Side::Left } else { Side::Right })
+        self.stokes.side().map(Side::opposite)
     }
 
     /// In words, such as `12.3° to the left`.

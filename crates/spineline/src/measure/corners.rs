@@ -46,15 +46,10 @@ impl CornerName {
         }
     }
 
-    /// This one of four corners.
+    /// This one of four corners; [`CornerName::ALL`] has the order of [`Corners::points`].
     #[must_use]
-    pub const fn of<P: Copy>(self, corners: &Corners<P>) -> P {
-        match self {
-            Self::SuperiorLeft => corners.superior_left,
-            Self::SuperiorRight => corners.superior_right,
-            Self::InferiorRight => corners.inferior_right,
-            Self::InferiorLeft => corners.inferior_left,
-        }
+    pub fn of<P: Copy>(self, corners: &Corners<P>) -> P {
+        corners.points()[self as usize]
     }
 }
 
