@@ -20,13 +20,8 @@ impl Series {
     }
 
     pub(super) fn value(&self, t_mm: f64) -> f64 {
-        self.value_and_slope(t_mm)[0]
-    }
-
-    /// Value and first derivative.
-    pub(super) fn value_and_slope(&self, t_mm: f64) -> [f64; 2] {
-        let ([value], [slope]) = self.values_and_slopes([t_mm]);
-        [value, slope]
+        let ([value], _) = self.values_and_slopes([t_mm]);
+        value
     }
 
     /// Values and first derivatives at several places, computed side by side: the sum over the polynomials and its
@@ -133,7 +128,8 @@ mod tests {
         for count in 0..=6 {
             let series = Series::new(300.0, series.coefficients[..count].to_vec());
             for t_mm in [0.0, 1.0, 170.0, 299.0, 305.0] {
-                let ([value, slope], jet) = (series.value_and_slope(t_mm), series.jet(t_mm));
+                let ([value], [slope]) = series.values_and_slopes([t_mm]);
+                let jet = series.jet(t_mm);
                 assert!((value - jet[0]).abs() < 1e-12 * 300.0, "{count} at {t_mm}");
                 assert!((slope - jet[1]).abs() < 1e-12, "{count} at {t_mm}");
             }

@@ -114,22 +114,18 @@ impl MonteCarlo<'_> {
     /// An empty tally of this case's quantities.
     #[must_use]
     pub fn tally(&self) -> Tally<'_> {
-        Tally::new(self)
-    }
-}
-
-impl<'a> Tally<'a> {
-    fn new(of: &'a MonteCarlo<'a>) -> Self {
         let counted = |(nominal, quantity): (Result<f64, Absent>, &AnalysisQuantity)| Counted {
             nominal,
             values: Centred::around(nominal.ok(), quantity.kind.period_deg()),
             absent: BTreeMap::new(),
         };
-        let quantities = of.values_in(of.nominal).into_iter().zip(&of.quantities).map(counted);
-        let quantities = quantities.collect();
-        Self { of, done: 0, failed: 0, failures: BTreeMap::new(), quantities }
+        let quantities = self.values_in(self.nominal).into_iter().zip(&self.quantities);
+        let quantities = quantities.map(counted).collect();
+        Tally { of: self, done: 0, failed: 0, failures: BTreeMap::new(), quantities }
     }
+}
 
+impl Tally<'_> {
     /// Adds one replicate. Added in the order of their indices, they give the same bytes however they were computed.
     pub fn add(&mut self, replicate: &Replicate) {
         self.done += 1;
