@@ -39,7 +39,7 @@ pub(super) struct Centred {
 
 impl Centred {
     pub fn around(reference: Option<f64>, period_deg: Option<f64>) -> Self {
-        Self { reference, period_deg, differences: Distribution::new() }
+        Self { reference, period_deg, differences: Distribution::default() }
     }
 
     pub fn add(&mut self, value: f64) {
@@ -48,13 +48,13 @@ impl Centred {
     }
 
     pub const fn count(&self) -> u64 {
-        self.differences.count()
+        self.differences.count
     }
 
     /// Mean, standard deviation and quantiles; `None` without a value.
     pub fn spread(self) -> Option<Spread> {
         let reference = self.reference.unwrap_or_default();
-        let (mean, sd) = (self.differences.mean(), self.differences.sd());
+        let (mean, sd) = (self.differences.mean, self.differences.sd());
         self.differences.quantiles(Spread::PARTS).map(|quantiles| Spread {
             mean: reference + mean,
             sd,

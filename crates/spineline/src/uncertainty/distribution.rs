@@ -16,20 +16,16 @@ const CENTROIDS: usize = 1000;
 ///
 /// # References
 /// [dunning-2019]; mean and deviation by [welford-1962].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Distribution {
     buffer: Vec<f64>,
     digest: Option<TDigest>,
-    count: u64,
-    mean: f64,
+    pub count: u64,
+    pub mean: f64,
     squares: f64,
 }
 
 impl Distribution {
-    pub fn new() -> Self {
-        Self { buffer: Vec::new(), digest: None, count: 0, mean: 0.0, squares: 0.0 }
-    }
-
     pub fn add(&mut self, value: f64) {
         self.count += 1;
         let off = value - self.mean;
@@ -45,14 +41,6 @@ impl Distribution {
         self.buffer.sort_by(f64::total_cmp);
         let digest = self.digest.take().unwrap_or_else(|| TDigest::new_with_size(CENTROIDS));
         self.digest = Some(digest.merge_sorted(std::mem::take(&mut self.buffer)));
-    }
-
-    pub const fn count(&self) -> u64 {
-        self.count
-    }
-
-    pub const fn mean(&self) -> f64 {
-        self.mean
     }
 
     /// Standard deviation; `None` for fewer than two values, which have no spread.
@@ -86,7 +74,7 @@ mod tests {
     const PARTS: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
 
     fn summary(values: &[f64]) -> Distribution {
-        let mut distribution = Distribution::new();
+        let mut distribution = Distribution::default();
         values.iter().for_each(|value| distribution.add(*value));
         distribution
     }
@@ -126,11 +114,11 @@ mod tests {
     #[test]
     fn moments_equal_the_samples() {
         let found = summary(&[1.0, 2.0, 4.0, 9.0]);
-        assert!((found.mean() - 4.0).abs() < 1e-15);
+        assert!((found.mean - 4.0).abs() < 1e-15);
         // Squares about the mean: 9 + 4 + 0 + 25 = 38.
         let sd = found.sd().expect("four values");
         assert!((sd - (38.0_f64 / 3.0).sqrt()).abs() < 1e-15);
-        assert_eq!(found.count(), 4);
+        assert_eq!(found.count, 4);
         assert_eq!((summary(&[1.0]).sd(), summary(&[]).sd()), (None, None), "no spread is known");
     }
 
@@ -139,7 +127,7 @@ mod tests {
         let found = summary(&[0.3; 5000]);
         assert!(found.sd().is_some_and(|sd| sd < 1e-15));
         assert_eq!(found.quantiles(PARTS), Some([0.3; 5]));
-        assert_eq!(Distribution::new().quantiles(PARTS), None);
+        assert_eq!(Distribution::default().quantiles(PARTS), None);
     }
 
     #[test]
