@@ -2,12 +2,16 @@
 
 use std::sync::Arc;
 
+use axum::extract::FromRequestParts;
 use axum::http::StatusCode;
+use axum::http::request::Parts;
+use serde::Deserialize;
 use spineline_store::{
     CaseReadings, FilmId, FilmRecord, Name, ReadingId, Role, SeenReading, Store, StoreError, Study,
     Visibility,
 };
 
+use crate::extract::Path;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
@@ -91,18 +95,53 @@ pub fn blinded() -> Failure {
     .help("finish your readings first; until then the study is hidden from its observers")
 }
 
-/// A study whose results the requester may see.
-///
-/// # Errors
-/// A refusal: unknown, or blinded.
-pub async fn open_study(state: &AppState, user: &User, study: &str) -> Answer<Name> {
-    let name = study_name(study)?;
-    if shows_results(state, user, &name).await? { Ok(name) } else { Err(blinded()) }
+/// The study of an address whose results the requester may see; else a refusal: unknown, or blinded.
+pub struct OpenStudy(pub Name);
+
+/// Results of an [`OpenStudy`].
+pub struct OpenResult(pub Arc<StudyResult>);
+
+/// Results with an analysis, of an [`OpenStudy`] that the requester may edit.
+pub struct EditorResult(pub Arc<StudyResult>);
+
+/// The part of an address that names a study.
+#[derive(Deserialize)]
+struct InStudy {
+    study: String,
 }
 
-/// Results of a study that the requester may see.
-pub async fn open_result(state: &AppState, user: &User, study: &str) -> Answer<Arc<StudyResult>> {
-    study_result(state, &open_study(state, user, study).await?).await
+impl FromRequestParts<AppState> for OpenStudy {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, state: &AppState) -> Answer<Self> {
+        let user = User::from_request_parts(parts, state).await?;
+        let Path(InStudy { study }) = Path::from_request_parts(parts, state).await?;
+        let study = study_name(&study)?;
+        if shows_results(state, &user, &study).await? { Ok(Self(study)) } else { Err(blinded()) }
+    }
+}
+
+impl FromRequestParts<AppState> for OpenResult {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, state: &AppState) -> Answer<Self> {
+        let OpenStudy(study) = OpenStudy::from_request_parts(parts, state).await?;
+        study_result(state, &study).await.map(Self)
+    }
+}
+
+impl FromRequestParts<AppState> for EditorResult {
+    type Rejection = Failure;
+
+    async fn from_request_parts(parts: &mut Parts, state: &AppState) -> Answer<Self> {
+        let user = User::from_request_parts(parts, state).await?;
+        let OpenStudy(study) = OpenStudy::from_request_parts(parts, state).await?;
+        let of = study.clone();
+        state.ask(move |store| user.need_on_study(store, &of, Role::Editor)).await?;
+        let result = study_result(state, &study).await?;
+        result.analysed()?;
+        Ok(Self(result))
+    }
 }
 
 /// As [`sees_results`], for a study that the user must be allowed to see.

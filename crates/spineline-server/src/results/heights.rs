@@ -1,29 +1,24 @@
 //! Heights of vertebrae that the erect and the lateral film share.
 
-use axum::extract::State;
 use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{HeightLine, SharedHeights};
 use spineline::number::fixed;
 use spineline_store::{CurrentCase, FilmId};
 
-use crate::access::open_result;
+use crate::access::OpenResult;
 use crate::api::{HeightView, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
-use crate::state::AppState;
-use crate::user::User;
 
 /// Heights on one film of the vertebrae that finished readings mark on the other one of the erect and the lateral film.
 #[utoipa::path(get, path = "/api/studies/{study}/films/{film}/heights",
     params(("study" = String, Path), ("film" = i64, Path)),
     responses((status = 200, body = Vec<HeightView>), Problem))]
 pub async fn heights(
-    State(state): State<AppState>,
-    user: User,
-    Path((study, film)): Path<(String, i64)>,
+    OpenResult(result): OpenResult,
+    Path((_, film)): Path<(String, i64)>,
 ) -> Answer<Json<Vec<HeightView>>> {
-    let result = open_result(&state, &user, &study).await?;
     let film = result.current.film(FilmId(film)).ok_or_else(Failure::not_found)?;
     let view = film.record.view;
     computed(move || Json(on_film(&result.current, view))).await

@@ -1,6 +1,5 @@
 //! Response of the personalised spine to a dragged force.
 
-use axum::extract::State;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
@@ -12,13 +11,11 @@ use spineline::spatial::{Vec3, vector_words};
 
 use super::loads::fitted_model;
 use super::simulated::deformed_shape;
-use crate::access::open_result;
+use crate::access::OpenResult;
 use crate::api::{LoadAnswer, LoadRequest, Problem};
-use crate::extract::{Json, Path};
+use crate::extract::Json;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
-use crate::state::AppState;
-use crate::user::User;
 
 /// Longer arrows are refused as input errors.
 const MAX_ARROW_MM: f64 = 5_000.0;
@@ -28,12 +25,9 @@ const MAX_ARROW_MM: f64 = 5_000.0;
     request_body = LoadRequest,
     responses((status = 200, body = LoadAnswer), Problem))]
 pub async fn load(
-    State(state): State<AppState>,
-    user: User,
-    Path(study): Path<String>,
+    OpenResult(result): OpenResult,
     Json(request): Json<LoadRequest>,
 ) -> Answer<Json<LoadAnswer>> {
-    let result = open_result(&state, &user, &study).await?;
     computed(move || answer(&result, &request)).await?.map(Json)
 }
 

@@ -1,6 +1,5 @@
 //! The personalised models of a study in 3D.
 
-use axum::extract::State;
 use spineline::analysis::{Analysis, LineModel, MultiplierEnding, MultiplierVerdict};
 use spineline::anatomy::Level;
 use spineline::measure::SpacingPlane;
@@ -9,26 +8,19 @@ use spineline::personalize::FitStatus;
 use super::loads::RELATIVE_SYMBOL;
 use super::notices;
 use super::simulated::{deformed_shape, shape, simulated};
-use crate::access::open_result;
+use crate::access::OpenResult;
 use crate::api::{
     BodySize, Identified, JointView, LineModelView, MeasuredShape, ModelView, MultiplierView,
     Notice, PostureName, Problem, Severity, Wire,
 };
-use crate::extract::{Json, Path};
+use crate::extract::Json;
 use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
-use crate::state::AppState;
-use crate::user::User;
 
 /// The models of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/model", params(("study" = String, Path)),
     responses((status = 200, body = ModelView), Problem))]
-pub async fn model(
-    State(state): State<AppState>,
-    user: User,
-    Path(study): Path<String>,
-) -> Answer<Json<ModelView>> {
-    let result = open_result(&state, &user, &study).await?;
+pub async fn model(OpenResult(result): OpenResult) -> Answer<Json<ModelView>> {
     computed(move || result.analysed().map(|analysis| view(&result, analysis))).await?.map(Json)
 }
 

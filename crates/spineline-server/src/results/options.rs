@@ -9,9 +9,9 @@ use spineline_store::{Name, Role, Store, StudyOptions};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::access::open_study;
+use crate::access::OpenStudy;
 use crate::api::{Change, OptionValueView, OptionView, OptionsChange, OptionsView, Problem};
-use crate::extract::{Json, Path};
+use crate::extract::Json;
 use crate::problem::{Answer, Failure};
 use crate::state::AppState;
 use crate::user::User;
@@ -29,9 +29,8 @@ pub fn routes() -> OpenApiRouter<AppState> {
 async fn options(
     State(state): State<AppState>,
     user: User,
-    Path(study): Path<String>,
+    OpenStudy(study): OpenStudy,
 ) -> Answer<Json<OptionsView>> {
-    let study = open_study(&state, &user, &study).await?;
     state.ask(move |store| view(store, &user, &study)).await.map(Json)
 }
 
@@ -42,10 +41,9 @@ async fn options(
 async fn change(
     State(state): State<AppState>,
     user: User,
-    Path(study): Path<String>,
+    OpenStudy(study): OpenStudy,
     Json(wanted): Json<OptionsChange>,
 ) -> Answer<Json<OptionsView>> {
-    let study = open_study(&state, &user, &study).await?;
     let by = user.sign(state.now());
     let asker = state.clone();
     let changed = state.ask(move |store| {

@@ -1,26 +1,18 @@
 //! Agreement of observers.
 
-use axum::extract::State;
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{DesignReliability, QuantityReliability, assess, film_quantities};
 
-use crate::access::open_result;
+use crate::access::OpenResult;
 use crate::api::{BlandAltmanView, NamedText, Problem, ReliabilityView};
-use crate::extract::{Json, Path};
+use crate::extract::Json;
 use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
-use crate::state::AppState;
-use crate::user::User;
 
 /// Repeatability of the readings of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/reliability", params(("study" = String, Path)),
     responses((status = 200, body = Vec<ReliabilityView>), Problem))]
-pub async fn reliability(
-    State(state): State<AppState>,
-    user: User,
-    Path(study): Path<String>,
-) -> Answer<Json<Vec<ReliabilityView>>> {
-    let result = open_result(&state, &user, &study).await?;
+pub async fn reliability(OpenResult(result): OpenResult) -> Answer<Json<Vec<ReliabilityView>>> {
     computed(move || Json(of_studies(&[&result], result.study.as_str()))).await
 }
 

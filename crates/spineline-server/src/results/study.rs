@@ -1,29 +1,21 @@
 //! A study's results from its finished readings.
 
-use axum::extract::State;
 use spineline::anatomy::Posture;
 use spineline_store::FilmId;
 
 use super::live::overlay_of;
 use super::{findings as findings_of, notices};
-use crate::access::open_result;
+use crate::access::OpenResult;
 use crate::api::{FilmOverlay, LiveStatus, LiveView, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{Outcome, StudyResult, computed};
-use crate::state::AppState;
-use crate::user::User;
 use crate::words::{marked_text, progress};
 
 /// Clinical angles and rotations of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/findings", params(("study" = String, Path)),
     responses((status = 200, body = LiveView), Problem))]
-pub async fn findings(
-    State(state): State<AppState>,
-    user: User,
-    Path(study): Path<String>,
-) -> Answer<Json<LiveView>> {
-    let result = open_result(&state, &user, &study).await?;
+pub async fn findings(OpenResult(result): OpenResult) -> Answer<Json<LiveView>> {
     computed(move || Json(view(&result))).await
 }
 
@@ -53,11 +45,9 @@ fn view(result: &StudyResult) -> LiveView {
     params(("study" = String, Path), ("film" = i64, Path)),
     responses((status = 200, body = FilmOverlay), Problem))]
 pub async fn overlay(
-    State(state): State<AppState>,
-    user: User,
-    Path((study, film)): Path<(String, i64)>,
+    OpenResult(result): OpenResult,
+    Path((_, film)): Path<(String, i64)>,
 ) -> Answer<Json<FilmOverlay>> {
-    let result = open_result(&state, &user, &study).await?;
     let overlay = computed(move || overlay_of(&result, FilmId(film))).await?;
     overlay.map(Json).ok_or_else(Failure::not_found)
 }

@@ -8,12 +8,12 @@ mod view;
 use std::sync::Arc;
 
 use axum::extract::State;
-use spineline_store::{KeptComputation, Role};
+use spineline_store::KeptComputation;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::background::{Task, in_turns, start};
-use crate::access::{open_study, study_result};
+use crate::access::{EditorResult, OpenResult};
 use crate::api::{
     Computation, ComputationName, ComputationRequest, ComputationView, Problem, Wire,
 };
@@ -22,7 +22,6 @@ use crate::jobs::{ComputationJob, Found, Jobs};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
-use crate::user::User;
 pub use kept::{inputs_with, recall};
 use view::view;
 
@@ -36,10 +35,10 @@ pub fn routes() -> OpenApiRouter<AppState> {
     responses((status = 200, body = ComputationView), Problem))]
 async fn computation(
     State(state): State<AppState>,
-    user: User,
-    Path((study, Wire(name))): Path<(String, ComputationName)>,
+    OpenResult(result): OpenResult,
+    Path((_, Wire(name))): Path<(String, ComputationName)>,
 ) -> Answer<Json<ComputationView>> {
-    let result = analysed(&state, &user, &study, Role::Reader).await?;
+    result.analysed()?;
     recall(&state, &result).await?;
     let job = state.jobs.of(&result, name.key());
     computed(move || view(name, job.as_deref())).await.map(Json)
@@ -52,11 +51,10 @@ async fn computation(
     responses((status = 200, body = ComputationView), Problem))]
 async fn compute(
     State(state): State<AppState>,
-    user: User,
-    Path((study, Wire(name))): Path<(String, ComputationName)>,
+    EditorResult(result): EditorResult,
+    Path((_, Wire(name))): Path<(String, ComputationName)>,
     Json(request): Json<ComputationRequest>,
 ) -> Answer<Json<ComputationView>> {
-    let result = analysed(&state, &user, &study, Role::Editor).await?;
     let asked = steps(&result, name, &request)?;
     let job = start(&state, &result, name, asked)?;
     Ok(Json(view(name, Some(&job))))
@@ -68,30 +66,14 @@ async fn compute(
     responses((status = 200, body = ComputationView), Problem))]
 async fn cancel(
     State(state): State<AppState>,
-    user: User,
-    Path((study, Wire(name))): Path<(String, ComputationName)>,
+    EditorResult(result): EditorResult,
+    Path((_, Wire(name))): Path<(String, ComputationName)>,
 ) -> Answer<Json<ComputationView>> {
-    let result = analysed(&state, &user, &study, Role::Editor).await?;
     let job = state.jobs.of(&result, name.key());
     if let Some(job) = &job {
         job.cancel();
     }
     computed(move || view(name, job.as_deref())).await.map(Json)
-}
-
-/// The results of a study that the user may see, with at least this role.
-pub async fn analysed(
-    state: &AppState,
-    user: &User,
-    study: &str,
-    least: Role,
-) -> Answer<Arc<StudyResult>> {
-    let study = open_study(state, user, study).await?;
-    let (asker, of) = (user.clone(), study.clone());
-    state.ask(move |store| asker.need_on_study(store, &of, least)).await?;
-    let result = study_result(state, &study).await?;
-    result.analysed()?;
-    Ok(result)
 }
 
 /// How many steps a computation has.

@@ -15,7 +15,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::computations;
-use crate::access::{open_study, study_result};
+use crate::access::OpenResult;
 use crate::api::{Export, ExportName, Problem, Wire};
 use crate::attachment::attachment;
 use crate::extract::Path;
@@ -42,11 +42,11 @@ pub fn routes() -> OpenApiRouter<AppState> {
 pub async fn export(
     State(state): State<AppState>,
     user: User,
-    Path((study, Wire(export))): Path<(String, ExportName)>,
+    OpenResult(result): OpenResult,
+    Path((_, Wire(export))): Path<(String, ExportName)>,
 ) -> Answer<Response> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
     result.analysed()?;
+    let study = result.study.clone();
     let pictures = match export {
         Export::Report | Export::Pdf | Export::Figures => report::pictures(&state, &result).await?,
         _ => Vec::new(),

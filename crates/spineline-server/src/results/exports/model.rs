@@ -6,7 +6,7 @@ use axum::response::Response;
 use super::super::loads::personalised_model;
 use super::file::log;
 use crate::PROGRAM;
-use crate::access::{open_study, study_result};
+use crate::access::OpenResult;
 use crate::api::{ExportFormatName, LineKindName, Problem};
 use crate::attachment::attachment;
 use crate::extract::Path;
@@ -22,10 +22,10 @@ use crate::user::User;
 pub async fn export_model(
     State(state): State<AppState>,
     user: User,
-    Path((study, line, format)): Path<(String, LineKindName, ExportFormatName)>,
+    OpenResult(result): OpenResult,
+    Path((_, line, format)): Path<(String, LineKindName, ExportFormatName)>,
 ) -> Answer<Response> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let study = result.study.clone();
     let text = computed(move || text(&result, line, format)).await??;
     log(&state, &user, &study, format.0.key()).await?;
     let name = format!("{study}-{}.{}", line.0.key(), format.0.file_ending());

@@ -6,21 +6,20 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use spineline::uncertainty::{LoadedReplicate, LoadedUncertainty};
-use spineline_store::{KeptComputation, Role};
+use spineline_store::KeptComputation;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::background::{Task, in_turns, start};
-use super::computations::analysed;
 use super::computations::replicates::{BLOCK, checked, with_monte_carlo};
 use super::loads::{simulated_file, tables};
+use crate::access::{EditorResult, OpenResult};
 use crate::api::{LineKindName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView, Problem};
 use crate::extract::{Json, Path};
 use crate::jobs::{Jobs, LoadIntervalJob, LoadIntervalWork, progress};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 use crate::state::AppState;
-use crate::user::User;
 pub use kept::recall;
 use kept::tally;
 
@@ -34,10 +33,10 @@ pub fn routes() -> OpenApiRouter<AppState> {
     responses((status = 200, body = LoadIntervalsView), Problem))]
 async fn load_intervals(
     State(state): State<AppState>,
-    user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    OpenResult(result): OpenResult,
+    Path((_, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<LoadIntervalsView>> {
-    let result = analysed(&state, &user, &study, Role::Reader).await?;
+    result.analysed()?;
     recall(&state, &result).await?;
     let job = state.load_intervals.of_line(&result, line);
     computed(move || view(job.as_deref())).await.map(Json)
@@ -50,11 +49,10 @@ async fn load_intervals(
     responses((status = 200, body = LoadIntervalsView), Problem))]
 async fn compute_load_intervals(
     State(state): State<AppState>,
-    user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    EditorResult(result): EditorResult,
+    Path((_, line)): Path<(String, LineKindName)>,
     Json(request): Json<LoadIntervalRequest>,
 ) -> Answer<Json<LoadIntervalsView>> {
-    let result = analysed(&state, &user, &study, Role::Editor).await?;
     let asked = checked(request.count)?;
     let (of, file) = (Arc::clone(&result), request.file);
     let work = computed(move || {
@@ -71,10 +69,9 @@ async fn compute_load_intervals(
     responses((status = 200, body = LoadIntervalsView), Problem))]
 async fn cancel_intervals(
     State(state): State<AppState>,
-    user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    EditorResult(result): EditorResult,
+    Path((_, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<LoadIntervalsView>> {
-    let result = analysed(&state, &user, &study, Role::Editor).await?;
     let job = state.load_intervals.of_line(&result, line);
     if let Some(job) = &job {
         job.cancel();

@@ -13,7 +13,7 @@ use utoipa_axum::routes;
 use super::exports::{log, provenance};
 use super::load_intervals::recall;
 use crate::PROGRAM;
-use crate::access::{open_result, open_study, study_result};
+use crate::access::OpenResult;
 use crate::api::{FileOfLoads, LineKindName, LoadMenu, LoadedModel, Problem};
 use crate::attachment::attachment;
 use crate::extract::{Json, JsonText, Path};
@@ -38,11 +38,9 @@ pub fn routes() -> OpenApiRouter<AppState> {
     params(("study" = String, Path), ("line" = LineKindName, Path)),
     responses((status = 200, body = LoadMenu), Problem))]
 async fn load_menu(
-    State(state): State<AppState>,
-    user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    OpenResult(result): OpenResult,
+    Path((_, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<LoadMenu>> {
-    let result = open_result(&state, &user, &study).await?;
     computed(move || personalised_model(&result, line).map(|model| menu::menu(&model)))
         .await?
         .map(Json)
@@ -53,12 +51,10 @@ async fn load_menu(
     params(("study" = String, Path), ("line" = LineKindName, Path)), request_body = FileOfLoads,
     responses((status = 200, body = LoadedModel), Problem))]
 async fn simulate_loads(
-    State(state): State<AppState>,
-    user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    OpenResult(result): OpenResult,
+    Path((_, line)): Path<(String, LineKindName)>,
     JsonText(text): JsonText,
 ) -> Answer<Json<LoadedModel>> {
-    let result = open_result(&state, &user, &study).await?;
     let answer = computed(move || {
         let (loads, model) = (parsed(&text)?, personalised_model(&result, line)?);
         let faults = loads.faults(&model);
@@ -78,11 +74,11 @@ async fn simulate_loads(
 async fn simulation_file(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    OpenResult(result): OpenResult,
+    Path((_, line)): Path<(String, LineKindName)>,
     JsonText(text): JsonText,
 ) -> Answer<Response> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let study = result.study.clone();
     // Intervals from before a restart are saved too.
     recall(&state, &result).await?;
     let intervals = state.load_intervals.of_line(&result, line);
@@ -108,10 +104,10 @@ async fn simulation_file(
 async fn model_file(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    OpenResult(result): OpenResult,
+    Path((_, line)): Path<(String, LineKindName)>,
 ) -> Answer<Response> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    let study = result.study.clone();
     let text = computed(move || model_text(&result, line)).await??;
     log(&state, &user, &study, "model").await?;
     let name = format!("{study}-{}-model.json", line.0.key());

@@ -11,20 +11,18 @@ use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use spineline::response::{OtherLoads, PadEffect, PadTrial, go_on, try_pad};
 use spineline_files::LoadFile;
-use spineline_store::Role;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::background::{Task, start};
-use super::computations::analysed;
 use super::loads::{check_count, personalised_model};
+use crate::access::{EditorResult, OpenResult};
 use crate::api::{LineKindName, PadMapRequest, PadMapView, Problem};
 use crate::extract::{Json, Path};
 use crate::jobs::{Jobs, PadMapJob, PadMapWork};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
-use crate::user::User;
 use view::{STEPS, view};
 
 /// More than any pad pushes, and the stiffest of them.
@@ -41,10 +39,10 @@ pub fn routes() -> OpenApiRouter<AppState> {
     responses((status = 200, body = PadMapView), Problem))]
 async fn pad_map(
     State(state): State<AppState>,
-    user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    OpenResult(result): OpenResult,
+    Path((_, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<PadMapView>> {
-    let result = analysed(&state, &user, &study, Role::Reader).await?;
+    result.analysed()?;
     Ok(Json(view(map_of(&state, &result, line).as_deref())))
 }
 
@@ -54,11 +52,10 @@ async fn pad_map(
     responses((status = 200, body = PadMapView), Problem))]
 async fn compute_pad_map(
     State(state): State<AppState>,
-    user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    EditorResult(result): EditorResult,
+    Path((_, line)): Path<(String, LineKindName)>,
     Json(request): Json<PadMapRequest>,
 ) -> Answer<Json<PadMapView>> {
-    let result = analysed(&state, &user, &study, Role::Editor).await?;
     check("largest force", request.largest_force, MAX_FORCE)?;
     check("stiffness per mm", request.n_per_mm, MAX_PER_MM)?;
     let of = Arc::clone(&result);
@@ -79,10 +76,9 @@ async fn compute_pad_map(
     responses((status = 200, body = PadMapView), Problem))]
 async fn cancel_pad_map(
     State(state): State<AppState>,
-    user: User,
-    Path((study, line)): Path<(String, LineKindName)>,
+    EditorResult(result): EditorResult,
+    Path((_, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<PadMapView>> {
-    let result = analysed(&state, &user, &study, Role::Editor).await?;
     let job = map_of(&state, &result, line);
     if let Some(job) = &job {
         job.cancel();
