@@ -1,8 +1,10 @@
 //! Random secrets.
 
+use spineline_store::system_random;
+
 /// 192 random bits for an address or a cookie.
 pub fn secret() -> String {
     let mut bytes = [0_u8; 24];
-    getrandom::fill(&mut bytes).expect("the system has random numbers");
+    system_random(&mut bytes);
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -13,7 +13,9 @@ use spineline_films::{
     side_contradiction, view_contradictions,
 };
 use spineline_marking::{View, judge_view};
-use spineline_store::{AddedCase, Name, NewCase, Role, Signature, Store, StoreError, Study};
+use spineline_store::{
+    AddedCase, Name, NewCase, Role, Signature, Store, StoreError, Study, system_random,
+};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -122,7 +124,7 @@ async fn prepared(
         need_no_doubt(&texts)?;
     }
     let prepared = computed(move || {
-        let salt = salt()?;
+        let salt = salt();
         let mut case = NewCase::of(study);
         for (film, upload) in &films {
             let (bytes, image) = prepared_film(case.id(), film, upload, salt)?;
@@ -168,7 +170,7 @@ async fn import_case(
             check_picture(view, size, upload)?;
             pictures.add(view, upload)?;
         }
-        let (id, salt) = (case.id().clone(), salt()?);
+        let (id, salt) = (case.id().clone(), salt());
         case.rewritten(|bytes| clean(&id, bytes, salt))
     });
     let case = read.await??;
@@ -358,9 +360,8 @@ fn clean(id: &Name, bytes: &[u8], salt: [u8; 32]) -> Answer<Vec<u8>> {
 }
 
 /// Films of one study get a common new identifier that does not reveal the old one.
-fn salt() -> Answer<[u8; 32]> {
+fn salt() -> [u8; 32] {
     let mut salt = [0; 32];
-    getrandom::fill(&mut salt)
-        .map_err(|_| Failure::internal("the operating system provides no random numbers"))?;
-    Ok(salt)
+    system_random(&mut salt);
+    salt
 }
