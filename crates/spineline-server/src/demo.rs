@@ -45,7 +45,7 @@ async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDet
         let mut case = case;
         for number in 1..=MAX_DEMOS {
             let name = if number == 1 { "demo-rod-01" } else { &format!("demo-rod-01-{number}") };
-            case = case.named(Name::new(name)?);
+            case.study.id = Name::new(name)?;
             match store.add_own_case(&case, &user.sign(now)) {
                 Ok(added) => {
                     for (content, small) in &thumbnails {
@@ -86,6 +86,7 @@ fn draw() -> Answer<Drawn> {
         let film = films.values().find(|film| film.file == file);
         film.map(|film| film.bytes.clone()).ok_or("a film that was not drawn")
     };
-    let case = NewCase::read(&text, bytes_of).map_err(|error| internal(error.to_string()))?;
-    Ok((case.label("Synthetic demo patient"), thumbnails))
+    let mut case = NewCase::read(&text, bytes_of).map_err(|error| internal(error.to_string()))?;
+    case.study.label = Some("Synthetic demo patient".to_owned());
+    Ok((case, thumbnails))
 }

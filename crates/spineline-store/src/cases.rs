@@ -26,7 +26,8 @@ use crate::state::ReadingState;
 /// A case to be imported as a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NewCase {
-    study: Study,
+    /// Its study.
+    pub study: Study,
     films: Vec<CaseFilm>,
     remarks: Vec<CaseRemark>,
 }
@@ -199,12 +200,6 @@ impl NewCase {
         self
     }
 
-    /// Its identifier.
-    #[must_use]
-    pub fn id(&self) -> &Name {
-        &self.study.id
-    }
-
     /// Its films: what they show, file name, columns and rows.
     pub fn pictures(&self) -> impl Iterator<Item = (FilmView, &str, [u64; 2])> {
         self.films.iter().map(|film| {
@@ -229,20 +224,6 @@ impl NewCase {
             film.image["sha256"] = spineline_files::sha256_hex(&film.bytes).into();
         }
         Ok(self)
-    }
-
-    /// With a label.
-    #[must_use]
-    pub fn label(mut self, label: &str) -> Self {
-        self.study.label = Some(label.to_owned());
-        self
-    }
-
-    /// Under another identifier.
-    #[must_use]
-    pub fn named(mut self, id: Name) -> Self {
-        self.study.id = id;
-        self
     }
 }
 

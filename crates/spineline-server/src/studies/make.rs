@@ -127,7 +127,7 @@ async fn prepared(
         let salt = salt();
         let mut case = NewCase::of(study);
         for (film, upload) in &films {
-            let (bytes, image) = prepared_film(case.id(), film, upload, salt)?;
+            let (bytes, image) = prepared_film(&case.study.id, film, upload, salt)?;
             case = case.film(film.posture.0, bytes, image);
             if film.posture.0 == FilmView::Lateral {
                 case = case.simultaneous(film.simultaneous);
@@ -170,7 +170,7 @@ async fn import_case(
             check_picture(view, size, upload)?;
             pictures.add(view, upload)?;
         }
-        let (id, salt) = (case.id().clone(), salt());
+        let (id, salt) = (case.study.id.clone(), salt());
         case.rewritten(|bytes| clean(&id, bytes, salt))
     });
     let case = read.await??;

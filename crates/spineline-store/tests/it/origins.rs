@@ -88,7 +88,7 @@ fn origins_and_walls_reach_the_case_and_another_store() {
     let mut other = create(&folder.path().join("other"));
     let new = NewCase::read(&text, |_| Ok::<_, StoreError>(film_bytes(1))).expect("a case");
     other.add_case(&new, &by("lead", 5)).expect("a study");
-    assert_eq!(other.export_case(new.id()).expect("a case").text, text);
+    assert_eq!(other.export_case(&new.study.id).expect("a case").text, text);
 }
 
 #[test]
