@@ -25,6 +25,14 @@ pub struct Notice {
     pub text: String,
 }
 
+impl Notice {
+    /// A notice of a whole study or file.
+    pub fn new(severity: Severity, code: &str, text: impl Into<String>) -> Self {
+        let code = code.to_owned();
+        Self { severity, code, posture: None, level: None, line: None, text: text.into() }
+    }
+}
+
 /// Severity of a notice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]

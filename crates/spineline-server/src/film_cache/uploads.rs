@@ -152,9 +152,7 @@ impl Uploads {
         } else {
             return None;
         };
-        let (code, text) = (code.to_owned(), text.to_owned());
-        let severity = Severity::Warning;
-        Some(Notice { severity, code, posture: None, level: None, line: None, text })
+        Some(Notice::new(Severity::Warning, code, text))
     }
 
     /// Forgets uploads that are in a study now, or were discarded.

@@ -203,5 +203,5 @@ fn code(remark: &FilmRemark) -> &'static str {
 
 fn notice(code: &str, text: String) -> Notice {
     let severity = if code == "film_remark" { Severity::Note } else { Severity::Warning };
-    Notice { severity, code: code.to_owned(), posture: None, level: None, line: None, text }
+    Notice::new(severity, code, text)
 }

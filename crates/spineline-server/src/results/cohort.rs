@@ -128,14 +128,14 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
     let synthetic_studies = members.iter().filter(|member| member.synthetic).count();
     let synthetic = (synthetic_studies > 0).then(|| {
         let text = format!("{synthetic_studies} of {} studies are synthetic", members.len());
-        notices::notice(Severity::Note, "synthetic", text)
+        Notice::new(Severity::Note, "synthetic", text)
     });
     let is_pooled = synthetic_studies > 0
         && synthetic_studies < members.len()
         && members.iter().all(|member| !member.apart);
     let mixed = is_pooled.then(|| {
         let text = "the statistics of this page pool synthetic and real studies";
-        notices::notice(Severity::Warning, "synthetic_mixed", text)
+        Notice::new(Severity::Warning, "synthetic_mixed", text)
     });
     notices::sorted(synthetic.into_iter().chain(mixed).chain(other_options(members)).collect())
 }
@@ -158,7 +158,7 @@ fn other_options(members: &[Member]) -> Option<Notice> {
     } else {
         (Severity::Note, format!("model options of all studies: {}", counted.first()?.words()))
     };
-    (changed > 0).then(|| notices::notice(severity, "options_changed", text))
+    (changed > 0).then(|| Notice::new(severity, "options_changed", text))
 }
 
 /// Whether the statistics count a study.

@@ -136,7 +136,7 @@ fn film_notices(result: &StudyResult, view: FilmView, fault: Option<&Error>) -> 
     notices.retain(|n| !(n.code == "film_left_out" && n.posture == name));
     if let Some(fault) = fault {
         let text = format!("{fault}: {}", fault.help());
-        let mut notice = notices::notice(Severity::Error, fault.code(), text);
+        let mut notice = Notice::new(Severity::Error, fault.code(), text);
         notice.posture = name;
         notices.retain(|other| other.severity != Severity::Error);
         notices.insert(0, notice);

@@ -139,7 +139,7 @@ fn model_notices(result: &StudyResult, analysis: &Analysis) -> Vec<Notice> {
     let mut notices = notices::with_comparison(result);
     if !analysis.movement.scale().has_millimetres() {
         let text = "the erect film has no spacing: the spine is drawn with a typical length";
-        notices.push(notices::notice(Severity::Contradiction, "drawn_typical", text));
+        notices.push(Notice::new(Severity::Contradiction, "drawn_typical", text));
     }
     notices::sorted(notices)
 }

@@ -10,19 +10,13 @@ use crate::api::{Notice, Severity, Wire};
 use crate::result_cache::{Outcome, StudyResult};
 use crate::words::listed;
 
-/// A notice of a whole study.
-pub fn notice(severity: Severity, code: &str, text: impl Into<String>) -> Notice {
-    let code = code.to_owned();
-    Notice { severity, code, posture: None, level: None, line: None, text: text.into() }
-}
-
 /// All notices beside the results of a study, worst first.
 pub fn of_result(result: &StudyResult) -> Vec<Notice> {
     let mut notices = left_out(&result.current);
     match &result.outcome {
         Outcome::Waiting => {}
         Outcome::Refused { code, text, help } => {
-            notices.push(notice(Severity::Error, code, format!("{text}: {help}")));
+            notices.push(Notice::new(Severity::Error, code, format!("{text}: {help}")));
         }
         Outcome::Analysed(analysis) => notices.extend(of_analysis(analysis)),
     }
@@ -92,12 +86,13 @@ pub fn of_scale(scale: &LengthScale) -> Option<Notice> {
             "the plane of the millimetres is unknown; lengths may exceed the patient's lengths by the magnification of the set-up"
         }
     };
-    Some(notice(Severity::Warning, "scale_not_the_patients", text))
+    Some(Notice::new(Severity::Warning, "scale_not_the_patients", text))
 }
 
 pub fn synthetic(is_synthetic: bool) -> Option<Notice> {
     is_synthetic.then(|| {
-        notice(Severity::Note, "synthetic", "synthetic films: made by the program, not measured")
+        let text = "synthetic films: made by the program, not measured";
+        Notice::new(Severity::Note, "synthetic", text)
     })
 }
 
@@ -118,12 +113,12 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
                 (Severity::Warning, text)
             }
         };
-        let mut notice = notice(severity, "film_left_out", text);
+        let mut notice = Notice::new(severity, "film_left_out", text);
         notice.posture = Some(Wire(posture));
         Some(notice)
     });
     let no_erect = (!current.films.contains_key(&Posture::Erect)).then(|| {
-        notice(
+        Notice::new(
             Severity::Warning,
             "no_erect_film",
             "the erect film is missing; it is the reference of all other films",
@@ -132,7 +127,7 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
     // The sagittal profile is then taken from a population.
     let unread = current.lateral.as_ref().filter(|film| film.readings == 0).map(|_| {
         let text = "the lateral film is left out: it has no finished reading";
-        notice(Severity::Note, "film_left_out", text)
+        Notice::new(Severity::Note, "film_left_out", text)
     });
     notices.chain(no_erect).chain(unread).collect()
 }

@@ -11,7 +11,6 @@ use spineline_files::{LoadFault, LoadFile, Simulated};
 use spineline_report::document::Table;
 use spineline_report::loaded_tables::LoadedTables;
 
-use super::super::notices;
 use super::super::simulated::{deformed_shape, errors_by_level};
 use crate::api::{
     FilmComparison, LoadArrow, LoadFaultView, LoadStep, LoadedModel, LoadedView, Notice, Severity,
@@ -70,7 +69,7 @@ pub fn tables<'a>(
 
 fn warnings(simulated: &Simulated) -> Vec<Notice> {
     let warning = |warning: &spineline_files::SimulationWarning| {
-        notices::notice(Severity::Warning, warning.code.key(), warning.message.clone())
+        Notice::new(Severity::Warning, warning.code.key(), warning.message.clone())
     };
     simulated.warnings.iter().map(warning).collect()
 }
