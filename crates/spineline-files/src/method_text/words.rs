@@ -37,7 +37,7 @@ pub(super) fn order_rule(rule: OrderRule) -> String {
 
 pub(super) fn gauge(gauge: Gauge) -> String {
     match gauge {
-        Gauge::GeometricMean => "geometric mean of the multipliers is held at 1, to 0.1 % with frontal and 1 % with free support".to_owned(),
+        Gauge::GeometricMean => "geometric mean of the multipliers is held at 1".to_owned(),
         Gauge::FrozenForce => "forces fixed at their values with the nominal stiffness".to_owned(),
         Gauge::KnownForce { posture, force_n } => {
             format!("the force of the {posture} film is {force_n} N")

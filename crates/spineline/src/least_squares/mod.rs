@@ -33,9 +33,9 @@ impl System {
         self.residuals.norm_squared()
     }
 
-    /// Fills the last row with the gauge: the mean of the `ln α`, which are the first unknowns, is held at zero. Without
-    /// any the row is zero.
-    pub fn hold_mean(&mut self, log_multipliers: &[f64]) {
+    /// Fills the last row with the gauge: the mean of the `ln α`, which are the first unknowns, is held at zero, against residuals
+    /// that move it by minus `shift`. Without any the row is zero.
+    pub fn hold_mean(&mut self, log_multipliers: &[f64], shift: f64) {
         /// The gauge is linear, and is held a thousand times tighter than any data.
         const GAUGE_WEIGHT: f64 = 1e3;
         let last = self.residuals.len() - 1;
@@ -44,7 +44,7 @@ impl System {
             return;
         }
         let weight = GAUGE_WEIGHT / log_multipliers.len() as f64;
-        self.residuals[last] = weight * log_multipliers.iter().sum::<f64>();
+        self.residuals[last] = weight * log_multipliers.iter().sum::<f64>() + GAUGE_WEIGHT * shift;
         for i in 0..log_multipliers.len() {
             self.jacobian[(last, i)] = weight;
         }
@@ -304,7 +304,7 @@ mod tests {
                 system.residuals[i] = x[i] - target[i];
                 system.jacobian[(i, i)] = 1.0;
             }
-            system.hold_mean(x.as_slice());
+            system.hold_mean(x.as_slice(), 0.0);
             true
         };
         let wide = DVector::from_element(3, 2.0);

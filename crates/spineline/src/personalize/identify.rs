@@ -37,7 +37,7 @@ use super::mixed::CHI_SQUARED_95;
 use super::problem::Problem;
 use super::{FitFilm, FitSettings, Gauge, GroupStiffness, MULTIPLIER_BOUNDS, Personalization};
 use crate::anatomy::named;
-use crate::least_squares::{FitStatus, Minimum, minimize};
+use crate::least_squares::{FitStatus, Minimum};
 use crate::multibody::{FittedSprings, MarchedFilm};
 use crate::number::or_infinite;
 
@@ -286,9 +286,7 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
     fn begin(problem: &'p mut Problem<'a, MarchedFilm>, fit: &Personalization) -> Option<Self> {
         let x = problem.begin(&fit.as_start());
         let bounds = problem.bounds(&x);
-        let rows = problem.rows();
-        let [lower, upper] = &bounds;
-        let minimum = minimize(x, lower, upper, rows, |x, system| problem.evaluate(x, system));
+        let minimum = problem.minimize(x, bounds.each_ref());
         if minimum.status != FitStatus::Converged {
             return None;
         }
@@ -438,8 +436,7 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
             x[i] += shift;
         }
         (x[group], lower[group], upper[group]) = (value, value, value);
-        let (rows, problem) = (self.problem.rows(), &mut self.problem);
-        let end = minimize(x, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
+        let end = self.problem.minimize(x, [&lower, &upper]);
         let rise = (end.system.cost() - self.minimum.system.cost()) / self.factor;
         (end.status == FitStatus::Converged).then_some((rise, end.x))
     }

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::film::{FilmData, Place};
 use super::start::Start;
 use super::{Base, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
-use crate::least_squares::{Minimum, System};
+use crate::least_squares::{FitStatus, Minimum, System, minimize};
 use crate::multibody::{FilmUnderLoad, FittedSprings, MAX_HINGE_RAD, Wanted};
 
 /// Residuals and derivatives of all films for given unknowns: `ln α` of every group, then per film the components of its load and the
@@ -20,6 +20,8 @@ pub(crate) struct Problem<'a, F> {
     pub films: Vec<FilmData<'a, F>>,
     /// Multipliers that are known already.
     pub(super) held: Option<Vec<f64>>,
+    /// Where the residuals would move the mean of `ln α` without it, with the opposite sign.
+    gauge_shift: f64,
 }
 
 impl<'a, F: FilmUnderLoad> Problem<'a, F> {
@@ -34,7 +36,7 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
             film.first = next;
             next += film.load.len();
         }
-        Self { springs, settings: *settings, films, held }
+        Self { springs, settings: *settings, films, held, gauge_shift: 0.0 }
     }
 
     /// What is fitted. A load of several numbers needs the whole shape: three angles and an amplitude do not determine it.
@@ -168,9 +170,34 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
         [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
     }
 
-    /// Residuals and derivatives; whether every film has an equilibrium that counts.
-    pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
-        self.fill(x, system, Wanted::AllRates)
+    /// Fits the unknowns within bounds.
+    ///
+    /// Residuals move the mean of `ln α` against the gauge where multipliers are at bounds or springs carry a weight. The gauge then moves
+    /// the other way, and the fit continues: the method of multipliers [hestenes-1969].
+    pub fn minimize(&mut self, x: DVector<f64>, [lower, upper]: [&DVector<f64>; 2]) -> Minimum {
+        const MAX_SHIFTS: usize = 20;
+        /// Largest mean of `ln α` that counts as zero.
+        const ZERO: f64 = 1e-6;
+        let (rows, groups) = (self.rows(), self.springs.groups.len());
+        let fit = |problem: &mut Self, x: DVector<f64>| {
+            minimize(x, lower, upper, rows, |x, system| problem.fill(x, system, Wanted::AllRates))
+        };
+        self.gauge_shift = 0.0;
+        let mut end = fit(self, x);
+        for _ in 0..MAX_SHIFTS {
+            let mean = end.x.rows(0, groups).sum() / groups as f64;
+            let is_zero = !self.holds_mean() || mean.abs() <= ZERO;
+            if is_zero || end.status != FitStatus::Converged {
+                break;
+            }
+            self.gauge_shift += mean;
+            let iterations = end.iterations;
+            end = fit(self, end.x);
+            end.iterations += iterations;
+        }
+        // Sums of squares are of films and prior alone.
+        end.system.residuals[rows - 1] = 0.0;
+        end
     }
 
     /// Sum of squares at a start; infinite where a film has no equilibrium that counts.
@@ -208,7 +235,8 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
         }
         self.fill_prior(x, system);
         // The gauge: the mean of ln α is held at zero, unless frozen forces fix the level or it is known.
-        system.hold_mean(if self.holds_mean() { &x.as_slice()[..g] } else { &[] });
+        let held = if self.holds_mean() { &x.as_slice()[..g] } else { &[] };
+        system.hold_mean(held, self.gauge_shift);
         system.residuals.iter().all(|r| r.is_finite())
     }
 

@@ -3,7 +3,7 @@
 use super::problem::Problem;
 use super::start::Start;
 use super::{FitSettings, FitTarget, MULTIPLIER_BOUNDS, Personalization, StiffnessBound};
-use crate::least_squares::{FitStatus, Minimum, System, minimize};
+use crate::least_squares::{FitStatus, Minimum, System};
 use crate::multibody::FilmUnderLoad;
 
 /// A start is refined when its sum of squares is within this factor of the best start's: a force of the wrong sign bends
@@ -155,8 +155,7 @@ impl Best {
         self.starts += 1;
         let x = problem.begin(start);
         let [lower, upper] = problem.bounds(&x);
-        let rows = problem.rows();
-        let end = minimize(x, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
+        let end = problem.minimize(x, [&lower, &upper]);
         if end.status == FitStatus::NotEvaluable {
             return;
         }

@@ -206,6 +206,13 @@ fn ratios_depend_on_the_level_of_the_table_only_under_a_weight() {
     for (reference, is_ratio) in [(Reference::Unloaded, true), (LOADED, false)] {
         let ((table, words), (doubled, _)) =
             (multipliers(reference, 1.0), multipliers(reference, 2.0));
+        for multipliers in [&table, &doubled] {
+            let level: f64 = multipliers.iter().map(|value| value.ln()).sum();
+            assert!(
+                level.abs() < 1e-5,
+                "{reference:?}: the geometric mean of {multipliers:?} is 1"
+            );
+        }
         let changes = table.iter().zip(&doubled).map(|(a, b)| (a / b).ln().abs());
         let change = changes.fold(0.0, f64::max);
         assert!(if is_ratio { change < 1e-4 } else { change > 1e-3 }, "{reference:?}: {change:e}");
