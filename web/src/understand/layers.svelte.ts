@@ -1,13 +1,13 @@
-/** Layers over a film in the order of their keys. */
+/** Layers over a film in the order of their keys, with the token of their colour. */
 export const LAYERS = [
-  { name: "axes", label: "Axes" },
-  { name: "curve", label: "Curve" },
-  { name: "residuals", label: "Residuals" },
-  { name: "inflections", label: "Inflections" },
-  { name: "least", label: "Least rotating" },
-  { name: "cobb", label: "Cobb" },
-  { name: "lines", label: "Lines of action" },
-  { name: "erect", label: "Erect film beside" },
+  { name: "axes", label: "Axes", colour: "--mark" },
+  { name: "curve", label: "Curve", colour: "--curve" },
+  { name: "residuals", label: "Residuals", colour: "--text" },
+  { name: "inflections", label: "Inflections", colour: "--inflection" },
+  { name: "least", label: "Least rotating", colour: "--least-rotating" },
+  { name: "cobb", label: "Cobb", colour: "--text" },
+  { name: "lines", label: "Lines of action", colour: "--estimated-line" },
+  { name: "erect", label: "Erect film beside", colour: "--text" },
 ] as const;
 
 type LayerName = (typeof LAYERS)[number]["name"];
