@@ -28,27 +28,21 @@ export interface Look {
   preset: Preset | null;
   /** Such as `from behind`. */
   words: string;
-  /** The patient's side at each edge of the picture: L, R, A (front), P (back), H (head), F (feet). */
-  edges: { left: string; right: string; top: string; bottom: string };
+  /** The patient's side at the edges of the picture: L, R, A (front), P (back), H (head), F (feet). */
+  edges: { left: string; right: string };
   /** CSS pixels per millimetre in the plane of the screen. */
   pixelsPerMm: number;
 }
 
 export function lookOf(camera: OrthographicCamera, pixelsPerMm: number): Look {
-  const [right, up, toward] = [new Vector3(), new Vector3(), new Vector3()];
-  camera.matrixWorld.extractBasis(right, up, toward);
+  const [right, toward] = [new Vector3(), new Vector3()];
+  camera.matrixWorld.extractBasis(right, new Vector3(), toward);
   const facing = nearest(toward);
   const isExact = PRESETS[facing.preset].dot(toward) > 0.999;
-  const letter = (direction: Vector3): string => nearest(direction).letter;
   return {
     preset: isExact ? facing.preset : null,
     words: isExact ? `from ${facing.words}` : `oblique, mainly from ${facing.words}`,
-    edges: {
-      right: letter(right),
-      left: letter(right.clone().negate()),
-      top: letter(up),
-      bottom: letter(up.clone().negate()),
-    },
+    edges: { right: nearest(right).letter, left: nearest(right.clone().negate()).letter },
     pixelsPerMm,
   };
 }

@@ -56,7 +56,8 @@ interface StageListener {
   drawn(look: Look): void;
   /** Place of the tip of the load on the screen. */
   tipped(tip: [number, number] | null): void;
-  lost(isLost: boolean): void;
+  /** The browser took the 3D view away; the page removes the stage. */
+  lost(): void;
 }
 
 const DISTANCE_MM = 3000;
@@ -158,7 +159,6 @@ export class Stage {
     canvas.addEventListener("pointerdown", this.#press);
     canvas.addEventListener("pointerup", this.#release);
     canvas.addEventListener("webglcontextlost", this.#lose);
-    canvas.addEventListener("webglcontextrestored", this.#regain);
   }
 
   show(picture: Picture): void {
@@ -245,7 +245,6 @@ export class Stage {
     clearTimeout(this.#fine);
     this.#observer.disconnect();
     this.canvas.removeEventListener("webglcontextlost", this.#lose);
-    this.canvas.removeEventListener("webglcontextrestored", this.#regain);
     this.#controls.dispose();
     for (const part of [
       this.#main,
@@ -456,15 +455,7 @@ export class Stage {
     else if (typeof level === "number") this.listener.picked({ level });
   };
 
-  #lose = (event: Event): void => {
-    event.preventDefault();
-    this.listener.lost(true);
-  };
-
-  #regain = (): void => {
-    this.listener.lost(false);
-    this.draw();
-  };
+  #lose = (): void => this.listener.lost();
 }
 
 function rendererName(renderer: WebGLRenderer): string {
