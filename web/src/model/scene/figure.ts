@@ -10,7 +10,6 @@ import {
   MeshPhongMaterial,
   SphereGeometry,
   Vector3,
-  type Material,
 } from "three";
 
 import type { Palette } from "../colour";
@@ -64,6 +63,7 @@ export interface FigureStyle {
 }
 
 const JOINT_RADIUS_MM = 2.2;
+const SHINE = { shininess: 18, specular: 0x222222 };
 /** Arches and processes are assumed: the films do not show them. */
 const ARCH_OPACITY = 0.4;
 
@@ -74,10 +74,12 @@ export class Figure {
   readonly #bodyMeshes: Mesh[] = [];
   readonly #discs: Mesh<BufferGeometry, MeshPhongMaterial>[] = [];
   readonly #joints: Mesh<BufferGeometry, MeshPhongMaterial>[] = [];
-  readonly #bone = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
-  readonly #arch = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
-  readonly #fixed = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
-  readonly #chosen = new MeshPhongMaterial({ shininess: 18, specular: 0x222222 });
+  readonly #bone = new MeshPhongMaterial(SHINE);
+  readonly #arch = new MeshPhongMaterial(SHINE);
+  readonly #fixed = new MeshPhongMaterial(SHINE);
+  readonly #chosen = new MeshPhongMaterial(SHINE);
+  /** Striped on shapes that are not results. */
+  readonly #striped = [this.#bone, this.#arch, this.#fixed, this.#chosen];
   readonly #rim = new LineBasicMaterial();
   readonly #arches: Mesh[] = [];
   readonly #rims: LineSegments[] = [];
@@ -90,8 +92,7 @@ export class Figure {
   ) {
     parts.sizes.forEach((_, index) => this.#addVertebra(index));
     for (let joint = 0; joint + 1 < parts.sizes.length; joint += 1) this.#addJoint(joint);
-    for (const material of [this.#bone, this.#arch, this.#fixed, this.#chosen])
-      hatch(material, () => this.#hatched);
+    for (const material of this.#striped) hatch(material, () => this.#hatched);
     fade(this.#arch, ARCH_OPACITY);
   }
 
@@ -142,14 +143,8 @@ export class Figure {
 
   dispose(): void {
     for (const disc of this.#discs) disc.geometry.dispose();
-    const shared: Material[] = [this.#bone, this.#arch, this.#fixed, this.#chosen, this.#rim];
-    for (const material of [
-      ...shared,
-      ...this.#discs.map((d) => d.material),
-      ...this.#joints.map((j) => j.material),
-    ]) {
-      material.dispose();
-    }
+    const own = [...this.#discs, ...this.#joints].map(({ material }) => material);
+    for (const material of [...this.#striped, this.#rim, ...own]) material.dispose();
   }
 
   #dressJoint(
@@ -174,8 +169,7 @@ export class Figure {
   #setHatched(hatched: boolean): void {
     if (hatched === this.#hatched) return;
     this.#hatched = hatched;
-    for (const material of [this.#bone, this.#arch, this.#fixed, this.#chosen])
-      material.needsUpdate = true;
+    for (const material of this.#striped) material.needsUpdate = true;
   }
 
   #addVertebra(index: number): void {
@@ -194,13 +188,10 @@ export class Figure {
   }
 
   #addJoint(index: number): void {
-    const disc = new Mesh(
-      discGeometry(),
-      new MeshPhongMaterial({ shininess: 18, specular: 0x222222, side: DoubleSide }),
-    );
+    const disc = new Mesh(discGeometry(), new MeshPhongMaterial({ ...SHINE, side: DoubleSide }));
     const joint = new Mesh(
       this.parts.joint,
-      new MeshPhongMaterial({ shininess: 18, specular: 0x222222, emissiveIntensity: 0.4 }),
+      new MeshPhongMaterial({ ...SHINE, emissiveIntensity: 0.4 }),
     );
     disc.userData.joint = index;
     joint.userData.joint = index;

@@ -18,7 +18,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Palette } from "../colour";
 import { at, type BodySize, type Point, type Shape } from "../shapes";
 import { Arrow, Rod } from "./arrow";
-import { Figure, Parts, placement, type FigureStyle, type Tone } from "./figure";
+import { Figure, Parts, placement, type Tone } from "./figure";
 import { Ground } from "./ground";
 import { Labels, type Label } from "./labels";
 import { PRESETS, lookOf, type Look, type Preset } from "./looks";
@@ -322,16 +322,8 @@ export class Stage {
   #pose(picture: Picture): void {
     if (this.#posed === picture) return;
     this.#posed = picture;
-    const { chosenJoint, chosenLevel, discs, contradicted, layout } = picture;
-    const style: FigureStyle = {
-      tone: picture.main.tone,
-      faint: false,
-      discs,
-      contradicted,
-      chosenJoint,
-      chosenLevel,
-    };
-    this.#main.dress(style);
+    const { layout } = picture;
+    this.#main.dress({ ...picture, tone: picture.main.tone, faint: false });
     this.#main.pose(picture.main.shape);
     if (picture.other) {
       this.#other.dress({ ...NO_STYLE, tone: picture.other.tone, faint: layout === "overlay" });
