@@ -23,6 +23,17 @@ export function corner(shape: Shape, index: number, body: BodySize, part: Point)
   ]);
 }
 
+const AROUND = [
+  [-1, -1],
+  [1, -1],
+  [1, 1],
+  [-1, 1],
+] as const;
+
+/** The corners around a body, in the plane of an axis (0 anterior, 1 to the left) and the cranial one. */
+export const around = (shape: Shape, index: number, body: BodySize, axis: 0 | 1): Point[] =>
+  AROUND.map(([a, z]) => corner(shape, index, body, axis === 1 ? [0, a, z] : [a, 0, z]));
+
 /**
  * The shape at a part of a path, from 0 to 1. Between computed shapes, points are interpolated linearly and axes
  * rotate evenly: this is an animation, not a simulation.
