@@ -62,7 +62,9 @@ class Program {
   }
 }
 
-function outbox(program: Program, keeping: Keeping = memory()) {
+/** An outbox with its program, which has these faults first, and with its storage. */
+function outbox(faults: Program["faults"] = [], program = new Program(), keeping = memory()) {
+  program.faults = faults;
   const told = {
     saved: [] as number[],
     lost: [] as Event[],
@@ -83,7 +85,7 @@ function outbox(program: Program, keeping: Keeping = memory()) {
     restMs: 300,
     retryMs: [100, 200],
   });
-  return { box, told };
+  return { box, told, program, keeping };
 }
 
 function refusal(status: number, code: string): Refusal {
@@ -94,8 +96,7 @@ function refusal(status: number, code: string): Refusal {
 const settle = (ms = 0): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
 
 it("says that a store went back which lacks acknowledged events", async () => {
-  const program = new Program();
-  const { box, told } = outbox(program);
+  const { box, told, program } = outbox();
   box.push([at(1), at(2)]);
   await settle();
   program.events.push(at(9));
@@ -109,8 +110,7 @@ it("says that a store went back which lacks acknowledged events", async () => {
 });
 
 it("sends entries in order, each after the one before", async () => {
-  const program = new Program();
-  const { box, told } = outbox(program);
+  const { box, told, program } = outbox();
   box.push([at(1)]);
   box.push([at(2), at(3)]);
   box.push([at(4)]);
@@ -124,10 +124,7 @@ it("sends entries in order, each after the one before", async () => {
 });
 
 it("repeats a request until the program answers, without loss", async () => {
-  const program = new Program();
-  program.faults = ["away", "away", "away"];
-  const keeping = memory();
-  const { box } = outbox(program, keeping);
+  const { box, program, keeping } = outbox(["away", "away", "away"]);
   box.push([at(1)]);
   box.push([at(2)]);
   await settle();
@@ -140,9 +137,7 @@ it("repeats a request until the program answers, without loss", async () => {
 });
 
 it("records an entry once when its answer was lost", async () => {
-  const program = new Program();
-  program.faults = ["answer lost"];
-  const { box } = outbox(program);
+  const { box, program } = outbox(["answer lost"]);
   box.push([at(1)]);
   await settle(1_000);
   expect(program.asked.map(({ expected }) => expected)).toEqual([0, 0]);
@@ -150,17 +145,15 @@ it("records an entry once when its answer was lost", async () => {
 });
 
 it("sends unsaved entries after a reload with their own revision", async () => {
-  const program = new Program();
-  program.faults = ["answer lost"];
-  const keeping = memory();
-  const before = outbox(program, keeping);
+  const before = outbox(["answer lost"]);
+  const { program, keeping } = before;
   before.box.push([at(1)]);
   before.box.push([at(2)]);
   await settle();
   before.box.close();
   expect(keeping.entries).toHaveLength(2);
   // The page is loaded again and finds the first event recorded.
-  const after = outbox(program, keeping);
+  const after = outbox([], program, keeping);
   expect(after.box.pending).toEqual([at(1), at(2)]);
   await settle(1_000);
   expect(program.events).toEqual([at(1), at(2)]);
@@ -168,9 +161,7 @@ it("sends unsaved entries after a reload with their own revision", async () => {
 });
 
 it("returns all entries that depended on a refused change", async () => {
-  const program = new Program();
-  const keeping = memory();
-  const { box, told } = outbox(program, keeping);
+  const { box, told, program, keeping } = outbox();
   program.events.push(at(99));
   box.push([at(1)]);
   box.push([at(2)]);
@@ -188,9 +179,7 @@ it("returns all entries that depended on a refused change", async () => {
 });
 
 it("drops a refused entry and continues with the others", async () => {
-  const program = new Program();
-  program.faults = [refusal(422, "refused")];
-  const { box, told } = outbox(program);
+  const { box, told, program } = outbox([refusal(422, "refused")]);
   box.push([at(1), at(2)]);
   box.push([at(3)]);
   await settle();
@@ -199,9 +188,7 @@ it("drops a refused entry and continues with the others", async () => {
 });
 
 it("waits until the person signs in again", async () => {
-  const program = new Program();
-  program.faults = [refusal(401, "not_signed_in")];
-  const { box } = outbox(program);
+  const { box, program } = outbox([refusal(401, "not_signed_in")]);
   box.push([at(1)]);
   await settle(10_000);
   expect(box.state).toEqual({ kind: "signed_out", count: 1 });
@@ -211,9 +198,7 @@ it("waits until the person signs in again", async () => {
 });
 
 it("combines nudges into one event after the last key", async () => {
-  const program = new Program();
-  const keeping = memory();
-  const { box } = outbox(program, keeping);
+  const { box, program, keeping } = outbox();
   for (const column of [1.1, 1.2, 1.3]) {
     box.push([at(column)], "nudge");
     await settle(200);
@@ -226,8 +211,7 @@ it("combines nudges into one event after the last key", async () => {
 });
 
 it("sends a nudge before the next event", async () => {
-  const program = new Program();
-  const { box } = outbox(program);
+  const { box, program } = outbox();
   box.push([at(1)], "nudge a");
   box.push([at(2)], "nudge b");
   box.push([at(3)]);
@@ -236,8 +220,7 @@ it("sends a nudge before the next event", async () => {
 });
 
 it("does not change a nudge that is being sent", async () => {
-  const program = new Program();
-  const { box } = outbox(program);
+  const { box, program } = outbox();
   box.push([at(1)], "nudge");
   box.flush();
   box.push([at(2)], "nudge");
@@ -247,9 +230,7 @@ it("does not change a nudge that is being sent", async () => {
 
 it("keeps its entries for the next load when it is closed, for any answer", async () => {
   for (const fault of [undefined, "answer lost", refusal(422, "refused"), "others"] as const) {
-    const program = new Program();
-    const keeping = memory();
-    const { box, told } = outbox(program, keeping);
+    const { box, told, program, keeping } = outbox();
     if (fault === "others") program.events.push(at(99));
     else if (fault) program.faults = [fault];
     box.push([at(1)]);
@@ -265,23 +246,19 @@ it("keeps its entries for the next load when it is closed, for any answer", asyn
 });
 
 it("keeps a waiting nudge for the next load", async () => {
-  const program = new Program();
-  const keeping = memory();
-  const before = outbox(program, keeping);
+  const before = outbox();
+  const { program, keeping } = before;
   before.box.push([at(1)], "nudge");
   before.box.close();
   await settle(1_000);
   expect(program.asked).toEqual([]);
-  outbox(program, keeping);
+  outbox([], program, keeping);
   await settle();
   expect(program.events).toEqual([at(1)]);
 });
 
 it("does not change a nudge whose answer was lost", async () => {
-  const program = new Program();
-  program.faults = ["answer lost"];
-  const keeping = memory();
-  const { box, told } = outbox(program, keeping);
+  const { box, told, program, keeping } = outbox(["answer lost"]);
   box.push([at(1)], "nudge");
   box.flush();
   await settle();
@@ -295,10 +272,7 @@ it("does not change a nudge whose answer was lost", async () => {
 it.each([400, 403, 404, 409, 413, 415, 421])(
   "stops sending after a response of %i",
   async (status) => {
-    const program = new Program();
-    program.faults = [refusal(status, "held")];
-    const keeping = memory();
-    const { box, told } = outbox(program, keeping);
+    const { box, told, program, keeping } = outbox([refusal(status, "held")]);
     box.push([at(1)]);
     box.push([at(2)]);
     await settle(10_000);
@@ -312,9 +286,7 @@ it.each([400, 403, 404, 409, 413, 415, 421])(
 );
 
 it.each([408, 429, 500, 503])("repeats the request after a response of %i", async (status) => {
-  const program = new Program();
-  program.faults = [refusal(status, "later")];
-  const { box } = outbox(program);
+  const { box, program } = outbox([refusal(status, "later")]);
   box.push([at(1)]);
   await settle();
   expect(box.state).toEqual({ kind: "waiting", count: 1, why: "refused as later" });
@@ -323,10 +295,7 @@ it.each([408, 429, 500, 503])("repeats the request after a response of %i", asyn
 });
 
 it("returns all entries for a finished reading", async () => {
-  const program = new Program();
-  program.faults = [refusal(409, "finished")];
-  const keeping = memory();
-  const { box, told } = outbox(program, keeping);
+  const { box, told, program, keeping } = outbox([refusal(409, "finished")]);
   box.push([at(1)]);
   box.push([at(2)]);
   await settle(1_000);
@@ -336,8 +305,7 @@ it("returns all entries for a finished reading", async () => {
 });
 
 it("ignores revisions older than the known one", async () => {
-  const program = new Program();
-  const { box } = outbox(program);
+  const { box, program } = outbox();
   box.push([at(1)]);
   await settle();
   box.rebase(0);
