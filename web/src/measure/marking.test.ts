@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 
+import { memoryStorage } from "../shell/storage.fixture";
 import { lasting } from "../shell/storage.svelte";
 import { keepingOf } from "./keeping";
 import { Marking } from "./marking.svelte";
@@ -14,19 +15,7 @@ let answer: (asked: Asked) => Promise<Answer> | Answer;
 
 beforeEach(() => {
   asked.length = 0;
-  const kept = new Map<string, string>();
-  const storage = new Proxy(
-    {
-      getItem: (key: string) => kept.get(key) ?? null,
-      setItem: (key: string, text: string) => void kept.set(key, text),
-      removeItem: (key: string) => void kept.delete(key),
-    },
-    {
-      ownKeys: () => [...kept.keys()],
-      getOwnPropertyDescriptor: () => ({ enumerable: true, configurable: true }),
-    },
-  );
-  vi.stubGlobal("localStorage", storage);
+  vi.stubGlobal("localStorage", memoryStorage());
   // As on a page without a certificate.
   vi.stubGlobal("navigator", {});
   vi.stubGlobal("requestAnimationFrame", () => 0);

@@ -3,6 +3,7 @@ import { afterEach, beforeEach, expect, it, vi } from "vitest";
 import { LEVELS } from "../../e2e/levels";
 import type { Api } from "../api/types";
 import type { Point } from "../model/shapes";
+import { memoryStorage } from "../shell/storage.fixture";
 import { arrowOf, endsOf } from "./arrows";
 import {
   brace,
@@ -38,17 +39,12 @@ const STRAP: Load = {
 const midpointOf = (level: string): Point => (level === "T8" ? [3, 4, 200] : [5, -6, 230]);
 const ANSWER = { loads: ["a pad"], faults: [], simulation: null };
 
-let kept: Map<string, string>;
 const sent: string[] = [];
+const made: Plan[] = [];
 
 beforeEach(() => {
-  kept = new Map();
   sent.length = 0;
-  vi.stubGlobal("localStorage", {
-    getItem: (key: string) => kept.get(key) ?? null,
-    setItem: (key: string, text: string) => void kept.set(key, text),
-    removeItem: (key: string) => void kept.delete(key),
-  });
+  vi.stubGlobal("localStorage", memoryStorage());
   vi.stubGlobal("fetch", async (request: Request) => {
     const text = await request.text();
     sent.push(text);
@@ -57,14 +53,23 @@ beforeEach(() => {
     return new Response(JSON.stringify(body), { status: isBad ? 422 : 200 });
   });
 });
-afterEach(() => void vi.unstubAllGlobals());
+afterEach(() => {
+  for (const plan of made.splice(0)) plan.leave();
+  vi.unstubAllGlobals();
+});
 
 const settled = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 10));
-const plan = (): Plan => new Plan("S-1", "ab", () => "inflection_line");
+
+/** A plan with loads, which the end of the test leaves. */
+function plan(...loads: Load[]): Plan {
+  const own = new Plan("S-1", "ab", () => "inflection_line");
+  if (loads.length > 0) own.add(...loads);
+  made.push(own);
+  return own;
+}
 
 it("sends the text of the load file that is saved, and keeps it over a reload", async () => {
-  const own = plan();
-  own.add(PAD);
+  const own = plan(PAD);
   await settled();
   expect(sent).toEqual([textOf([PAD])]);
   expect(own.wordsOf(0)).toBe("a pad");
@@ -74,12 +79,10 @@ it("sends the text of the load file that is saved, and keeps it over a reload", 
   expect(new Plan("S-2", "ab", () => "inflection_line").loads).toEqual([]);
   own.remove(0);
   expect(plan().loads).toEqual([]);
-  own.leave();
 });
 
 it("undoes and redoes, and takes digits of one number together", () => {
-  const own = plan();
-  own.add(PAD);
+  const own = plan(PAD);
   own.edit(0, { ...PAD, advance_mm: 1 }, "0 advance_mm");
   own.edit(0, { ...PAD, advance_mm: 15 }, "0 advance_mm");
   own.edit(0, { ...PAD, advance_mm: 15, level: "T6" }, "0 level");
@@ -93,24 +96,20 @@ it("undoes and redoes, and takes digits of one number together", () => {
   expect([own.loads, own.canRedo]).toEqual([[PAD], true]);
   own.add(STRAP);
   expect(own.canRedo).toBe(false);
-  own.leave();
 });
 
 it("hides results of other loads, and texts of loads that have changed since", async () => {
-  const own = plan();
-  own.add(PAD);
+  const own = plan(PAD);
   await settled();
   expect(own.isCurrent).toBe(true);
   own.edit(0, { ...PAD, level: "T6" }, "0 level");
   expect([own.isCurrent, own.wordsOf(0)]).toEqual([false, null]);
   await settled();
   expect(own.isCurrent).toBe(true);
-  own.leave();
 });
 
 it("opens a file that the program reads, and leaves the loads where it does not", async () => {
-  const own = plan();
-  own.add(PAD);
+  const own = plan(PAD);
   await settled();
   const { signal } = new AbortController();
   const bad = '{"format":"spineline-load","version":1,"loads":[{"kind":"pda"}]}';
@@ -121,7 +120,6 @@ it("opens a file that the program reads, and leaves the loads where it does not"
   expect([own.loads, own.step], "the result is shown").toEqual([[STRAP], null]);
   own.undo();
   expect(own.loads).toEqual([PAD]);
-  own.leave();
 });
 
 it("reads its own files only", () => {
@@ -162,8 +160,7 @@ it("draws a pad towards its vertebra and a pull away from it, on the side from w
 });
 
 it("shows intervals with the loads that they were computed for, and with no others", async () => {
-  const own = plan();
-  own.add(PAD);
+  const own = plan(PAD);
   const rows = [{ label: "Cobb", intervals: ["1° to 2°", "", ""] }];
   const found = { done: 5, asked: 5, file: textOf([PAD]), rows, texts: [] };
   own.intervals = { ...found, state: "done" };
@@ -180,7 +177,6 @@ it("shows intervals with the loads that they were computed for, and with no othe
   // Another line has other springs.
   own.again();
   expect([own.intervals, own.intervalRows]).toEqual([null, []]);
-  own.leave();
 });
 
 it("a brace has a pad and counter-pads on the other side, at vertebrae that exist", () => {
@@ -194,8 +190,7 @@ it("a brace has a pad and counter-pads on the other side, at vertebrae that exis
   ]);
   expect(of("L2").map(levelOf)).toEqual(["L2", "L3", "T10"]);
   expect(of("T2").map(levelOf)).toEqual(["T2", "T6"]);
-  const own = plan();
-  own.add(...of("T8"));
+  const own = plan(...of("T8"));
   own.undo();
   expect(own.loads).toEqual([]);
 });
