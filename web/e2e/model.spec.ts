@@ -18,7 +18,7 @@ test.use({ hasDemo: true });
 const ADDRESS = "#/studies/phantom-rod-01/model";
 
 /** Answers with a model that has a contradiction, a bound and a line without a result. */
-async function pretend(page: Page, view = modelView(), patient_left = "image_left"): Promise<void> {
+async function pretend(page: Page, view: Api<"ModelView">, patient_left: string): Promise<void> {
   const detail = { summary: { films: [{ posture: "erect", image: { patient_left } }] } };
   await page.route("**/api/studies/phantom-rod-01", (route) => route.fulfill({ json: detail }));
   await page.route("**/api/studies/phantom-rod-01/model", (route) => route.fulfill({ json: view }));
@@ -38,7 +38,14 @@ function replicates(done: number): Api<"ComputationView"> {
   return { name: "replicates", state, done, asked: 200, intervals, sections: [], texts: [] };
 }
 
-async function openModel(app: App, page: Page): Promise<void> {
+/** Opens the page of a model that the program did not compute. */
+async function openModel(
+  app: App,
+  page: Page,
+  view = modelView(),
+  patient_left = "image_left",
+): Promise<void> {
+  await pretend(page, view, patient_left);
   await app.open(page);
   await page.evaluate((address) => (window.location.hash = address), ADDRESS);
   await expect(page.getByRole("heading", { level: 1, name: /^Model/ })).toBeVisible();
@@ -98,7 +105,6 @@ const FORCE = "#ff8a80";
 const STIFF = "#f0f921";
 
 test("a model is drawn, with its stiffness, its line and its force", async ({ app, page }) => {
-  await pretend(page);
   await openModel(app, page);
   const view = await picture(page);
   const seen = await steady(page, view);
@@ -134,7 +140,6 @@ test("without a lateral film the model opens in flat views, and says what is ass
   app,
   page,
 }) => {
-  await pretend(page);
   await openModel(app, page);
   const assumed = page.getByText("Depth and arches are assumed: no lateral film was measured.");
   const sagittal = page.getByRole("img", { name: /^Sagittal/ });
@@ -176,8 +181,7 @@ test("a lateral film that shows a part of the spine leaves the rest assumed", as
   const pitch_from = view.bodies.map(({ level }) =>
     /^T[2-5]$/.test(level) ? ("population" as const) : ("lateral_film" as const),
   );
-  await pretend(page, { ...view, pitch_from });
-  await openModel(app, page);
+  await openModel(app, page, { ...view, pitch_from });
   await expect(page.getByRole("application")).toBeVisible();
   for (const width of [390, 1280]) {
     await page.setViewportSize({ width, height: 800 });
@@ -222,8 +226,7 @@ test("the demo's model is computed and drawn, and responds to a load", async ({ 
 });
 
 test("the first view of the model matches its erect film", async ({ app, page }) => {
-  await pretend(page, modelView(), "image_right");
-  await openModel(app, page);
+  await openModel(app, page, modelView(), "image_right");
   const view = await picture(page);
   await expect(view.getByText("Seen from the front")).toBeVisible();
   await page.getByRole("button", { name: "Left", exact: true }).click();
@@ -243,7 +246,6 @@ test("the first view of the model matches its erect film", async ({ app, page })
 });
 
 test("another posture and another line change picture and texts", async ({ app, page }) => {
-  await pretend(page);
   await openModel(app, page);
   const view = await picture(page);
   const left = await steady(page, view);
@@ -266,7 +268,6 @@ test("another posture and another line change picture and texts", async ({ app, 
 });
 
 test("held-out and fitted films are labelled", async ({ app, page }) => {
-  await pretend(page);
   await openModel(app, page);
   const postures = page.getByRole("group", { name: "Posture" });
   await expect(postures.getByRole("button", { name: "Left bending fitted" })).toBeVisible();
@@ -277,7 +278,6 @@ test("held-out and fitted films are labelled", async ({ app, page }) => {
 });
 
 test("a fit that did not converge is never shown as a result", async ({ app, page }) => {
-  await pretend(page);
   await openModel(app, page);
   await page.getByRole("button", { name: /^Iliac line/ }).click();
   await expect(page.getByText("Not a result.").first()).toBeVisible();
@@ -304,7 +304,6 @@ test("a fit that did not converge is never shown as a result", async ({ app, pag
 
 test("the force increases from 0 to 100 %, in steps with reduced motion", async ({ app, page }) => {
   await page.emulateMedia({ reducedMotion: "reduce" });
-  await pretend(page);
   await openModel(app, page);
   const view = await picture(page);
   const full = await steady(page, view);
@@ -320,7 +319,6 @@ test("the force increases from 0 to 100 %, in steps with reduced motion", async 
 });
 
 test("a press on a joint shows its values, in the list too", async ({ app, page }) => {
-  await pretend(page);
   await openModel(app, page);
   await picture(page);
   const joint = page.getByRole("button", { name: "T8/T7" });
@@ -333,7 +331,6 @@ test("a press on a joint shows its values, in the list too", async ({ app, page 
 });
 
 test("the spine follows a dragged load", async ({ app, page }) => {
-  await pretend(page);
   await openModel(app, page);
   await page.getByRole("button", { name: "Load by hand" }).click();
   const view = await picture(page);
@@ -377,7 +374,6 @@ test("the spine follows a dragged load", async ({ app, page }) => {
 });
 
 test("a load is applied by keyboard alone and announced", async ({ app, page }) => {
-  await pretend(page);
   await openModel(app, page);
   await page.getByRole("button", { name: "Load by hand" }).press("Enter");
   await picture(page);
@@ -398,7 +394,6 @@ test("a load is applied by keyboard alone and announced", async ({ app, page }) 
 });
 
 test("intervals are computed in the background, and can be cancelled", async ({ app, page }) => {
-  await pretend(page);
   await openModel(app, page);
   const asked: string[] = [];
   let done = 0;
@@ -423,7 +418,6 @@ test("intervals are computed in the background, and can be cancelled", async ({ 
 
 test("the whole page is usable on a tablet", async ({ app, page }) => {
   await page.setViewportSize({ width: 1024, height: 768 });
-  await pretend(page);
   await openModel(app, page);
   const view = await picture(page);
   await steady(page, view);
@@ -443,7 +437,6 @@ test("without WebGL the model is shown in two dimensions with a message", async 
   });
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
   const page = await context.newPage();
-  await pretend(page);
   await openModel(app, page);
   await page.getByRole("button", { name: "3D view" }).click();
   await expect(page.getByText(/cannot draw in 3D/)).toBeVisible();
