@@ -47,8 +47,7 @@ export class Viewer {
   #linked: Viewer | null = null;
 
   get film(): FilmSize {
-    const { columns, rows, aspect } = this.picture ?? { columns: 1, rows: 1, aspect: 1 };
-    return { columns, rows, aspect };
+    return this.picture ?? { columns: 1, rows: 1, aspect: 1 };
   }
 
   show(picture: FilmPicture): void {
