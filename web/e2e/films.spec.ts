@@ -3,7 +3,7 @@ import path from "node:path";
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { filmOf, type FilmPoint } from "../src/measure/viewport";
+import type { FilmPoint } from "../src/measure/viewport";
 import { expect, expectAccessible, shot, test, type App } from "./app";
 import { FilmPage, cornerOf, farthest } from "./marking";
 
@@ -28,37 +28,6 @@ async function fromTheFront(app: App, page: Page): Promise<FilmPage> {
   const film = new FilmPage(page);
   await film.begin();
   return film;
-}
-
-/** Largest difference between the grey on the screen and the grey of the pixel under it, when enlarged. */
-async function worstGrey(film: FilmPage, number: number): Promise<number> {
-  const view = await film.view();
-  const places: { at: readonly [number, number]; px: FilmPoint }[] = [];
-  for (let x = 40; x < 400; x += 3)
-    for (let y = 60; y < 400; y += 5) {
-      const [column, row] = filmOf(view, [x + 0.5, y + 0.5]);
-      const isMiddle = (value: number): boolean => Math.abs(value - Math.round(value)) < 0.1;
-      if (isMiddle(column) && isMiddle(row))
-        places.push({ at: [x, y], px: [Math.round(column), Math.round(row)] });
-    }
-  expect(places.length).toBeGreaterThan(10);
-  return film.page.getByTestId("film").evaluate(
-    async (element, { places, number }) => {
-      const response = await fetch(`/api/films/${number}/pixels`);
-      const header = (name: string) => Number(response.headers.get(`x-spineline-${name}`));
-      const values = new Uint16Array(await response.arrayBuffer());
-      const context = (element as HTMLCanvasElement).getContext("2d")!;
-      const [width, centre] = [header("window-width"), header("window-center")];
-      return Math.max(
-        ...places.map(({ at: [x, y], px: [column, row] }) => {
-          const value = values[row * header("columns") + column]!;
-          const share = Math.min(1, Math.max(0, (value - centre + width / 2) / width));
-          return Math.abs(context.getImageData(x, y, 1, 1).data[0]! - 255 * share);
-        }),
-      );
-    },
-    { places, number },
-  );
 }
 
 /** Screen place of the label of a patient's side. */
@@ -114,10 +83,10 @@ test("a film that is turned and mirrored for display is marked as it is stored",
   expect(Math.abs(after[1] - before[1])).toBeLessThan(CLOSE_PX);
 
   await film.lookAt(cornerOf(truth, "L4", "superior_left"), 9);
-  expect(await worstGrey(film, reading.film!)).toBeLessThan(12);
+  expect(await film.worstGrey()).toBeLessThan(12);
   await choose(page, /turn or mirror/i, "As stored");
   await expect(turned).toBeEmpty();
-  expect(await worstGrey(film, reading.film!)).toBeLessThan(12);
+  expect(await film.worstGrey()).toBeLessThan(12);
 });
 
 test(

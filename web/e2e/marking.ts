@@ -1,7 +1,13 @@
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { cssOf, filmOf, type FilmPoint, type Viewport } from "../src/measure/viewport";
+import {
+  cssOf,
+  filmOf,
+  type CssPoint,
+  type FilmPoint,
+  type Viewport,
+} from "../src/measure/viewport";
 import { expect, type App } from "./app";
 import { send } from "./wire";
 
@@ -121,6 +127,42 @@ export class FilmPage {
     }
     await expect(this.target).toContainText("L3");
     await this.saved();
+  }
+
+  /**
+   * Largest difference between the grey on the screen in the middle of a film pixel and the grey of its brightness, when
+   * enlarged. A device pixel may lie half a pixel beside the middle, where a neighbour contributes.
+   */
+  async worstGrey(): Promise<number> {
+    const [view, { film }] = [await this.view(), await this.reading()];
+    const middles: { at: CssPoint; px: FilmPoint }[] = [];
+    for (let x = 40; x < 400; x += 9)
+      for (let y = 60; y < 400; y += 9) {
+        const [column, row] = filmOf(view, [x, y]);
+        const px = [Math.round(column), Math.round(row)] as const;
+        middles.push({ at: cssOf(view, px), px });
+      }
+    const canvas = this.page.getByTestId("film");
+    const differences = await canvas.evaluate(
+      async (element, { middles, film }) => {
+        const response = await fetch(`/api/films/${film}/pixels`);
+        const header = (name: string) => Number(response.headers.get(`x-spineline-${name}`));
+        const values = new Uint16Array(await response.arrayBuffer());
+        const { width, height } = element as HTMLCanvasElement;
+        const context = (element as HTMLCanvasElement).getContext("2d")!;
+        const lowest = header("window-center") - header("window-width") / 2;
+        return middles.flatMap(({ at, px: [column, row] }) => {
+          const [x, y] = at.map((css) => Math.floor(css * window.devicePixelRatio));
+          if (x! >= width || y! >= height) return [];
+          const value = values[row * header("columns") + column]!;
+          const share = Math.min(1, Math.max(0, (value - lowest) / header("window-width")));
+          return Math.abs(context.getImageData(x!, y!, 1, 1).data[0]! - 255 * share);
+        });
+      },
+      { middles, film },
+    );
+    expect(differences.length).toBeGreaterThan(500);
+    return Math.max(...differences);
   }
 
   /** Drags from one place to another. */

@@ -64,39 +64,7 @@ for (const [deviceScaleFactor, tag] of [
 
       // When zoomed in, the middle of a film pixel has the grey of its brightness.
       await film.lookAt(cornerOf(truth, "L4", "superior_left"), 9);
-      const view = await film.view();
-      const number = (await film.reading()).film!;
-      const worst = await page.getByTestId("film").evaluate(
-        async (element, { view, number }) => {
-          const response = await fetch(`/api/films/${number}/pixels`);
-          const header = (name: string) => Number(response.headers.get(`x-spineline-${name}`));
-          const values = new Uint16Array(await response.arrayBuffer());
-          const canvas = element as HTMLCanvasElement;
-          const ratio = window.devicePixelRatio;
-          const context = canvas.getContext("2d")!;
-          const first = Math.ceil(-view.left / view.scale);
-          const top = Math.ceil(-view.top / (view.scale * view.aspect));
-          let worst = 0;
-          let seen = 0;
-          for (let i = 1; i < 40; i += 1) {
-            for (let j = 1; j < 40; j += 1) {
-              const x = ((first + i + 0.5) * view.scale + view.left) * ratio;
-              const y = ((top + j + 0.5) * view.scale * view.aspect + view.top) * ratio;
-              if (x >= canvas.width || y >= canvas.height) continue;
-              const value = values[(top + j) * header("columns") + first + i]!;
-              const lowest = header("window-center") - header("window-width") / 2;
-              const share = Math.min(1, Math.max(0, (value - lowest) / header("window-width")));
-              const grey = context.getImageData(Math.floor(x), Math.floor(y), 1, 1).data[0]!;
-              worst = Math.max(worst, Math.abs(grey - 255 * share));
-              seen += 1;
-            }
-          }
-          return seen > 500 ? worst : Number.POSITIVE_INFINITY;
-        },
-        { view, number },
-      );
-      // A device pixel may lie half a pixel beside the middle, where a neighbour contributes.
-      expect(worst).toBeLessThan(12);
+      expect(await film.worstGrey()).toBeLessThan(12);
       await shot(page, `measure-pixels-${deviceScaleFactor}`);
     });
   });
