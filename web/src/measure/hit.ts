@@ -7,7 +7,7 @@ import {
   type ReadingView,
 } from "./landmarks";
 import { proposedPlace, type Proposal } from "./proposals";
-import { cssOf, type CssPoint, type FilmPoint, type Viewport } from "./viewport";
+import { cssOf, nearest, type CssPoint, type FilmPoint, type Viewport } from "./viewport";
 
 /** The landmark nearest to a place on the screen, if it is within reach; axes only of the current vertebra. */
 export function landmarkAt(
@@ -20,10 +20,8 @@ export function landmarkAt(
   const candidates = landmarksOf(reading).filter(
     (landmark) => landmark.kind !== "axis" || landmark.level === axisOf,
   );
-  return nearest(candidates, at, reach, (landmark) => {
-    const place = placeOf(reading, landmark);
-    return place && cssOf(view, place);
-  });
+  const placed = (landmark: Landmark) => seen(view, placeOf(reading, landmark));
+  return nearest(candidates, placed, at, reach);
 }
 
 /** The corner of a proposal nearest to a place on the screen, if it is within reach. */
@@ -34,10 +32,8 @@ export function proposedAt(
   reach: number,
 ): Landmark | null {
   const candidates = proposals.flatMap(({ level }) => cornersAt(level, CORNERS));
-  return nearest(candidates, at, reach, (landmark) => {
-    const place = placeOfProposed(proposals, landmark);
-    return place && cssOf(view, place);
-  });
+  const placed = (landmark: Landmark) => seen(view, placeOfProposed(proposals, landmark));
+  return nearest(candidates, placed, at, reach);
 }
 
 /** Place of a proposed corner. */
@@ -50,21 +46,5 @@ export function placeOfProposed(
   return proposal ? proposedPlace(proposal, landmark.corner) : null;
 }
 
-function nearest(
-  candidates: readonly Landmark[],
-  at: CssPoint,
-  reach: number,
-  placed: (landmark: Landmark) => CssPoint | null,
-): Landmark | null {
-  let best: Landmark | null = null;
-  let closest = reach;
-  for (const landmark of candidates) {
-    const place = placed(landmark);
-    if (!place) continue;
-    const distance = Math.hypot(place[0] - at[0], place[1] - at[1]);
-    if (distance > closest) continue;
-    closest = distance;
-    best = landmark;
-  }
-  return best;
-}
+const seen = (view: Viewport, place: FilmPoint | null): CssPoint | null =>
+  place && cssOf(view, place);

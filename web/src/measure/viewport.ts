@@ -157,6 +157,24 @@ function kept(view: Viewport, film: FilmSize, size: Size): Viewport {
 
 const middleOf = ({ columns, rows }: FilmSize): FilmPoint => [columns / 2 - 0.5, rows / 2 - 0.5];
 
+/** The thing nearest to a place on the screen, if it is within reach. */
+export function nearest<Thing>(
+  things: readonly Thing[],
+  placed: (thing: Thing) => CssPoint | null,
+  at: CssPoint,
+  reach: number,
+): Thing | null {
+  let best: Thing | null = null;
+  let closest = reach;
+  for (const thing of things) {
+    const place = placed(thing);
+    if (!place) continue;
+    const distance = Math.hypot(place[0] - at[0], place[1] - at[1]);
+    if (distance <= closest) [best, closest] = [thing, distance];
+  }
+  return best;
+}
+
 /** The interface sends points as lists of two numbers. */
 export function filmPoint(px: readonly number[]): FilmPoint {
   return [px[0] ?? Number.NaN, px[1] ?? Number.NaN];
