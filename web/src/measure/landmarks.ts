@@ -77,11 +77,9 @@ export const isChangeable = ({
 
 /** A landmark or an axis on the film that can be selected and moved. */
 export type Landmark =
-  | { kind: "corner"; level: string; corner: Corner }
-  | { kind: "wall"; level: string; side: PatientSide }
+  | Api<"ExpectedLandmark">
   | { kind: "pedicle"; level: string; side: PatientSide }
-  | { kind: "axis"; level: string }
-  | { kind: "crest"; side: PatientSide };
+  | { kind: "axis"; level: string };
 
 export function sameLandmark(a: Landmark | null, b: Landmark | null): boolean {
   return a !== null && b !== null && wordsOf(a) === wordsOf(b);
