@@ -3,19 +3,13 @@ import { Vector3, type Camera } from "three";
 import type { Palette } from "../colour";
 import { at, placed, type BodySize, type Point, type Shape } from "../shapes";
 import { HEAD_GIRTH, HIDDEN, type Arrow, type Rod } from "./arrow";
-import { boneColour, type Tone } from "./figure";
+import { boneColour, type FigureStyle } from "./figure";
 import { hull, type Place } from "./hull";
 import { rimPoints } from "./vertebra";
 
 /** A spine to be drawn in outline. */
-export interface Sketched {
+export interface Sketched extends FigureStyle {
   shape: Shape;
-  tone: Tone;
-  /** Outlines only, over another spine. */
-  faint: boolean;
-  discs: readonly string[] | null;
-  contradicted: readonly boolean[];
-  chosenLevel: number | null;
 }
 
 /** A part of the canvas, in CSS pixels. */

@@ -18,7 +18,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Palette } from "../colour";
 import { at, type BodySize, type Point, type Shape } from "../shapes";
 import { Arrow, Rod } from "./arrow";
-import { Figure, Parts, placement, type Tone } from "./figure";
+import { Figure, Parts, placement, type FigureStyle, type Tone } from "./figure";
 import { Ground } from "./ground";
 import { Labels, type Label } from "./labels";
 import { PRESETS, lookOf, type Look, type Preset } from "./looks";
@@ -34,14 +34,10 @@ export interface LineDrawn {
 }
 
 /** Content of the picture. */
-export interface Picture {
+export interface Picture extends Omit<FigureStyle, "tone" | "faint"> {
   layout: "one" | "overlay" | "beside";
   main: { shape: Shape; tone: Tone };
   other: { shape: Shape; tone: Tone } | null;
-  discs: readonly string[] | null;
-  contradicted: readonly boolean[];
-  chosenJoint: number | null;
-  chosenLevel: number | null;
   lines: readonly LineDrawn[];
   /** Text of the force along the chosen line; no arrow without it. */
   force: string | null;
