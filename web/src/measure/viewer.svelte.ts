@@ -6,6 +6,7 @@ import {
   alongFilm,
   cssOf,
   filmOf,
+  filmPoint,
   fit,
   pan,
   reveal,
@@ -137,6 +138,11 @@ export class Viewer {
     if (!this.picture) return;
     const change = { wider: x / 600, brighter: -y / 600 };
     this.window = adjusted(this.window, change, this.picture.max);
+  }
+
+  /** The place on the screen of a point of the film. */
+  at(px: readonly number[]): CssPoint {
+    return cssOf(this.view, filmPoint(px));
   }
 
   /** A step on the screen as a step along columns and rows. */

@@ -1,7 +1,7 @@
 import type { Api } from "../api/types";
 import type { PointerMode } from "../measure/gestures";
 import type { Viewer } from "../measure/viewer.svelte";
-import { cssOf, filmPoint, type CssPoint, type FilmPoint } from "../measure/viewport";
+import type { CssPoint, FilmPoint } from "../measure/viewport";
 import { nearestSite } from "./sites";
 
 /** Clicks pick places on the curve. */
@@ -19,13 +19,12 @@ export class Picker implements PointerMode {
   abandon(): void {}
 
   release(at: CssPoint, far: boolean): void {
-    const { view } = this.viewer;
-    const places = this.sites.map(({ site, px }) => ({ site, at: cssOf(view, filmPoint(px)) }));
+    const places = this.sites.map(({ site, px }) => ({ site, at: this.viewer.at(px) }));
     const site = nearestSite(places, at);
     if (site && !far) this.pick(site);
   }
 
   placeAt(at: FilmPoint): void {
-    this.release(cssOf(this.viewer.view, at), false);
+    this.release(this.viewer.at(at), false);
   }
 }
