@@ -153,8 +153,7 @@ export class Marking {
       },
       changed: () => this.#outboxChanged(),
     });
-    this.#pending = this.#outbox.pending;
-    this.saving = this.#outbox.state;
+    this.#outboxChanged();
     this.#refreshLive();
     if (reading.mine) void this.#showLost();
   }

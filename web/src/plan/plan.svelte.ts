@@ -196,7 +196,8 @@ export class Plan {
     this.loads = loads;
     if (this.chosen !== null && this.chosen >= loads.length) this.chosen = null;
     this.step = null;
-    this.#keep();
+    if (loads.length === 0) lasting.remove(this.#key);
+    else if (!lasting.set(this.#key, textOf(loads))) lasting.refused = true;
   }
 
   #ask(): void {
@@ -220,10 +221,5 @@ export class Plan {
       const end = answer.simulation?.steps.at(-1)?.text ?? "";
       this.spoken = [...faults, ...(answer.simulation?.texts.slice(0, 1) ?? []), end].join("; ");
     }, SPOKEN_MS);
-  }
-
-  #keep(): void {
-    if (this.loads.length === 0) lasting.remove(this.#key);
-    else if (!lasting.set(this.#key, textOf(this.loads))) lasting.refused = true;
   }
 }

@@ -7,7 +7,7 @@ import { boneColour, type FigureStyle } from "./figure";
 import { hull, type Place } from "./hull";
 import { rimPoints } from "./vertebra";
 
-/** A spine to be drawn in outline. */
+/** A spine to be drawn in outline; a faint one is not filled. */
 export interface Sketched extends FigureStyle {
   shape: Shape;
 }
