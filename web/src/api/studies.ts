@@ -33,6 +33,14 @@ export const editFilm = (film: number, body: Api<"FilmChange">) =>
 export const measureDrawn = (film: number, body: Api<"DrawnRequest">, signal: AbortSignal) =>
   answerOf(api.POST("/api/films/{film}/drawn", { params: { path: { film } }, body, signal }));
 
+/** The model options of a study. */
+export const readOptions = (study: string, signal?: AbortSignal) =>
+  answerOf(api.GET("/api/studies/{study}/options", { ...of(study), signal }));
+
+/** Changes model options; an empty value resets one. */
+export const changeOptions = (study: string, body: Api<"OptionsChange">) =>
+  answerOf(api.PUT("/api/studies/{study}/options", { ...of(study), body }));
+
 export const readFindings = (study: string, signal: AbortSignal) =>
   answerOf(api.GET("/api/studies/{study}/findings", { ...of(study), signal }));
 

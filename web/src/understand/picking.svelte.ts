@@ -1,4 +1,4 @@
-import { changeOptions, readOptions } from "../api/options";
+import { changeOptions, readOptions } from "../api/studies";
 import type { Api } from "../api/types";
 import { Attempt } from "../shell/attempt.svelte";
 
