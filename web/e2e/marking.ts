@@ -116,6 +116,15 @@ export class FilmPage {
     }
   }
 
+  /** Places both walls of the requested vertebra from another reading. */
+  async markWalls(truth: ReadingView, level: string): Promise<void> {
+    for (const side of ["left", "right"] as const) {
+      await expect(this.target).toContainText(level);
+      await expect(this.target).toContainText(`patient’s ${side}`);
+      await this.click(wallOf(truth, level, side));
+    }
+  }
+
   /** Places L4, the first requested vertebra, as a square in the middle of the film. */
   async markSquare(image: Api<"FilmImage">): Promise<void> {
     const left = image.patient_left === "image_left" ? -1 : 1;

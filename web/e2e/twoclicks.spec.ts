@@ -1,7 +1,7 @@
 import type { Api } from "../src/api/types";
 import { expect, shot, test } from "./app";
 import { truthOf } from "./byclicks";
-import { CORNERS, FilmPage, LEVELS, cornerOf, farthest, wallOf } from "./marking";
+import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
 
 test.use({ hasDemo: true });
 
@@ -29,12 +29,8 @@ test("a film is marked by two clicks per vertebra, accepted at once and undone a
   await expect(film.target).toContainText("middle of the wall, patient’s left");
   let clicks = 0;
   for (const level of LEVELS) {
-    for (const side of ["left", "right"] as const) {
-      await expect(film.target).toContainText(level);
-      await expect(film.target).toContainText(`patient’s ${side}`);
-      await film.click(wallOf(truth, level, side));
-      clicks += 1;
-    }
+    await film.markWalls(truth, level);
+    clicks += 2;
   }
   await film.saved();
   await expect(page.locator("[data-proposal]")).toHaveCount(LEVELS.length);
@@ -98,13 +94,7 @@ test("ten clicks on a bend and one key complete it from the erect film", async (
   const film = new FilmPage(page);
   await film.begin();
   const truth = await truthOf(film);
-  for (const level of ["L4", "L1", "T9", "T5", "T2"]) {
-    for (const side of ["left", "right"] as const) {
-      await expect(film.target).toContainText(level);
-      await expect(film.target).toContainText(`patient’s ${side}`);
-      await film.click(wallOf(truth, level, side));
-    }
-  }
+  for (const level of ["L4", "L1", "T9", "T5", "T2"]) await film.markWalls(truth, level);
   await film.saved();
   const erect = page.getByRole("region", { name: "Erect film" });
   await expect(erect.locator("[data-level]")).toHaveCount(LEVELS.length);
