@@ -5,7 +5,14 @@ import type { Api } from "../api/types";
 export class Finished {
   live = $state.raw<Api<"LiveView"> | null>(null);
 
-  async load(study: string, film: number, signal: AbortSignal): Promise<void> {
+  /** Loads the results; without any the film is shown alone. Returns a function that stops the requests. */
+  show(study: string, film: number): () => void {
+    const stop = new AbortController();
+    this.#load(study, film, stop.signal).catch(() => (this.live = null));
+    return () => stop.abort();
+  }
+
+  async #load(study: string, film: number, signal: AbortSignal): Promise<void> {
     this.live = null;
     const [findings, overlay, heights] = await Promise.all([
       readFindings(study, signal),
