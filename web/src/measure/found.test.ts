@@ -2,8 +2,8 @@ import { expect, it } from "vitest";
 
 import { clarity, leftWords, offerOf, secondsSaved } from "./found";
 import { acceptable, aboutProposals, openProposals, UNSEEN, type Proposal } from "./proposals";
-import { withEvents, type Event } from "./landmarks";
-import { reading } from "./reading.fixture";
+import { withEvents } from "./landmarks";
+import { WALLS, reading } from "./reading.fixture";
 
 /** A vertebra in the picture with this deviation in percent; the server calls those up to 15 % sure. */
 const found = (level: string, sd_percent: number): Proposal => ({
@@ -17,10 +17,6 @@ const found = (level: string, sd_percent: number): Proposal => ({
 const spine = (clear: number): Proposal[] =>
   Array.from({ length: 17 }, (_, index) => found(`V${index}`, index < clear ? 12 : 20));
 
-const CLICKED: Event[] = [
-  { kind: "place_wall", level: "L4", side: "left", column_px: 10, row_px: 20 },
-  { kind: "place_wall", level: "L4", side: "right", column_px: 30, row_px: 20 },
-];
 const HOW = { way: "walls", onRequest: true } as const;
 
 it("tells clearly found vertebrae from those to check and from completed ones", () => {
@@ -40,11 +36,11 @@ it("accepts the clearly found vertebrae together, then the next one alone", () =
 
 it("replaces a found vertebra after a click on it, and keeps the others", () => {
   const all = [found("L4", 20), found("L3", 12)];
-  const once = withEvents(reading(), CLICKED.slice(0, 1));
+  const once = withEvents(reading(), WALLS.slice(0, 1));
   expect(openProposals(once, all)).toEqual([all[1]]);
   const completed = { ...found("L4", 8), sd_share: null };
   const vague = { ...found("L3", 30), sd_share: null };
-  const twice = { ...withEvents(reading(), CLICKED), proposals: [completed, vague] };
+  const twice = { ...withEvents(reading(), WALLS), proposals: [completed, vague] };
   expect(openProposals(twice, all)).toEqual([all[1], completed]);
   // Of two equal ones, one is drawn.
   const equal = { ...found("L3", 12), sd_share: null };

@@ -1,7 +1,7 @@
 import { expect, it } from "vitest";
 
 import { acceptable, accepting, openProposals, shifted } from "./proposals";
-import { reading } from "./reading.fixture";
+import { WALLS, reading } from "./reading.fixture";
 import { landmarkAt, proposedAt } from "./hit";
 import {
   landmarksOf,
@@ -84,19 +84,15 @@ const L4 = {
     { corner: "inferior_left" as const, px: [10, 30], origin },
   ],
 };
-const WALLS = { way: "walls", onRequest: false } as const;
-const offered = (of: ReadingView, how: Parameters<typeof acceptable>[3] = WALLS) =>
+const BY_WALLS = { way: "walls", onRequest: false } as const;
+const offered = (of: ReadingView, how: Parameters<typeof acceptable>[3] = BY_WALLS) =>
   acceptable(of, openProposals(of, []), nextLandmark(of, how.way), how);
 
 it("shows the proposals of vertebrae with both walls, and accepts them as one change", () => {
-  const walls: Event[] = [
-    { kind: "place_wall", level: "L4", side: "left", column_px: 10, row_px: 20 },
-    { kind: "place_wall", level: "L4", side: "right", column_px: 30, row_px: 20 },
-  ];
-  const one = { ...withEvents(reading(), walls.slice(0, 1)), proposals: [L4] };
+  const one = { ...withEvents(reading(), WALLS.slice(0, 1)), proposals: [L4] };
   expect(offered(one)).toEqual([]);
   expect(missingWall(one, "L4")).toEqual({ kind: "wall", level: "L4", side: "right" });
-  const both = { ...withEvents(reading(), walls), proposals: [L4] };
+  const both = { ...withEvents(reading(), WALLS), proposals: [L4] };
   expect(offered(both)).toEqual([L4]);
   expect(landmarkAt(both, VIEW, [10, 20], 3, null)).toMatchObject({ kind: "wall", side: "left" });
 

@@ -1,4 +1,10 @@
-import type { ReadingView } from "./landmarks";
+import type { Event, ReadingView } from "./landmarks";
+
+/** The clicks on both walls of L4. */
+export const WALLS: readonly Event[] = [
+  { kind: "place_wall", level: "L4", side: "left", column_px: 10, row_px: 20 },
+  { kind: "place_wall", level: "L4", side: "right", column_px: 30, row_px: 20 },
+];
 
 /** A reading without landmarks, for tests. */
 export function reading(): ReadingView {
