@@ -40,8 +40,7 @@ test("without a valid token the page says where to find the address", async ({ a
 });
 
 test("a new sign-in after the end of a session keeps the page", async ({ app, page }) => {
-  await app.open(page);
-  await page.goto(new URL("#/new", app.address).href);
+  await app.openAt(page, "#/new");
   await answerWith(page, "/api/uploads", { code: "not_signed_in", message: "not signed in" }, 401);
   await page
     .locator("input[type=file]")

@@ -32,8 +32,7 @@ test("a new study: no films, then films with open questions", async ({ app, page
     const answer = answers[next++ % answers.length];
     return route.fulfill({ json: answer, status: answer && "code" in answer ? 422 : 200 });
   });
-  await app.open(page);
-  await page.goto(new URL("#/new", app.address).href);
+  await app.openAt(page, "#/new");
   await expectAccessible(page);
   const files = ["a.dcm", "b.dcm", "c.png", "d.dcm", "e.dcm"];
   await page
@@ -50,8 +49,7 @@ test("a new study: no films, then films with open questions", async ({ app, page
 });
 
 test("the import of a case", async ({ app, page }) => {
-  await app.open(page);
-  await page.goto(new URL("#/import", app.address).href);
+  await app.openAt(page, "#/import");
   const films = [{ image: { file: "erect.dcm" } }];
   const text = JSON.stringify({ format: "spineline-case", films });
   await page
@@ -65,15 +63,13 @@ test("the import of a case", async ({ app, page }) => {
 
 test("the cohort", async ({ app, page }) => {
   await answerWith(page, "/api/cohort", cohort());
-  await app.open(page);
-  await page.goto(new URL("#/cohort", app.address).href);
+  await app.openAt(page, "#/cohort");
   await expect(page.locator("svg.chart")).toHaveCount(3);
   await expectAccessible(page);
 });
 
 test("access, with accounts and without", async ({ app, page }) => {
-  await app.open(page);
-  await page.goto(new URL("#/access", app.address).href);
+  await app.openAt(page, "#/access");
   await expect(page.getByText("spineline account add")).toBeVisible();
   await expectAccessible(page);
   const session = { name: "lead", role: "admin", access: "accounts", csrf: "0", version: "0.1.0" };
@@ -111,8 +107,7 @@ test("the evidence and the model options of a study without results", async ({ a
   const refusal = { code: "not_ready", message: "the erect film is missing" };
   await answerWith(page, "/api/studies/S-1/lines", refusal, 409);
   await answerWith(page, "/api/studies/S-1/model", refusal, 409);
-  await app.open(page);
-  await page.goto(new URL("#/studies/S-1/evidence", app.address).href);
+  await app.openAt(page, "#/studies/S-1/evidence");
   await expect(page.getByRole("alert")).toContainText("the erect film is missing");
   await expectAccessible(page);
   await page.goto(new URL("#/studies/S-1/model", app.address).href);

@@ -114,6 +114,12 @@ export class App {
     await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
   }
 
+  /** Opens the app and one of its pages. */
+  async openAt(page: Page, place: string): Promise<void> {
+    await this.open(page);
+    await page.goto(new URL(place, this.address).href);
+  }
+
   /** Opens the app and a page of the demo, which the store has by `test.use({ hasDemo: true })`. */
   async openDemo(page: Page, place: "measure" | "model" = "measure"): Promise<void> {
     await this.open(page);

@@ -23,8 +23,7 @@ async function fromTheFront(app: App, page: Page): Promise<FilmPage> {
   const folder = await app.makePhantom("--subject", "15", "--noise", "0", "--pixel-size", "2");
   await app.addCases(path.join(folder, `${FRONT}.json`));
   await app.start();
-  await app.open(page);
-  await page.goto(new URL(`#/studies/${FRONT}/measure`, app.address).href);
+  await app.openAt(page, `#/studies/${FRONT}/measure`);
   const film = new FilmPage(page);
   await film.begin();
   return film;
@@ -293,8 +292,7 @@ test("two films are shown side by side, each with its own view, or linked", asyn
 });
 
 test("a person states that a film was compared with the records", async ({ app, page }) => {
-  await app.open(page);
-  await page.goto(new URL("#/studies/demo-rod-01/measure", app.address).href);
+  await app.openAt(page, "#/studies/demo-rod-01/measure");
   const edit = async (): Promise<void> => {
     await page.getByRole("button", { name: "Edit this film…" }).click();
   };

@@ -162,8 +162,7 @@ test("repeated texts of a cohort and of a model are all shown", async ({ app, pa
     reliability: [{ ...reliability, statistics: [...statistics, ...statistics] }, reliability],
   };
   await answerWith(page, "/api/cohort", twice);
-  await app.open(page);
-  await page.goto(new URL("#/cohort", app.address).href);
+  await app.openAt(page, "#/cohort");
   const agreement = page.getByRole("region", { name: "Table of agreement" });
   await expect(agreement.getByRole("rowheader")).toHaveCount(2);
   await expect(agreement.getByText("3.1°; 3.1°")).toHaveCount(1);

@@ -137,8 +137,7 @@ test.describe("with films of one phantom", () => {
     const { address, server, owner } = await startArchive(await readFile(films()[0] ?? ""));
     await app.kill();
     await app.start("--dicomweb", `clinic=${address}`);
-    await app.open(page);
-    await page.goto(new URL("#/new", app.address).href);
+    await app.openAt(page, "#/new");
     const section = page.getByRole("region", { name: "From an archive" });
     await section.getByLabel("Patient ID", { exact: true }).fill("locked");
     await page.keyboard.press("Enter");
