@@ -237,13 +237,13 @@ fn table(analysis: &Analysis) -> Table {
     };
     let has_numbers = |&of: &_| compared.predictors().any(|by| error_mm(by, of).is_some());
     let columns = columns.into_iter().filter(has_numbers).take(MOST_ERRORS).collect::<Vec<_>>();
-    // A prediction with the tilt of the top has the row of the one without.
+    // A prediction with the tilt of the top has the row of the one with the same name without it.
     let mut rows: Vec<(FilmPredictor, Vec<FilmPredictor>)> = Vec::new();
     for by in compared.predictors() {
         let is_shown = by.is_line() || columns.iter().any(|&of| error_mm(by, of).is_some());
-        match rows.iter_mut().find(|(row, _)| *row == by.without_tilt()) {
+        match rows.iter_mut().find(|(row, _)| row.to_string() == by.to_string()) {
             Some((_, same)) => same.push(by),
-            None if is_shown => rows.push((by.without_tilt(), vec![by])),
+            None if is_shown => rows.push((by, vec![by])),
             None => {}
         }
     }

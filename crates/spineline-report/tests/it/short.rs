@@ -78,6 +78,10 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
         }
     }
     assert!(table.rows.iter().any(|row| row[0].starts_with("* ")), "a row without mechanics");
+    // Without a file of other patients, the distribution is the published one.
+    let names: Vec<&str> = table.rows.iter().map(|row| row[0].as_str()).collect();
+    assert!(names.contains(&"* distribution of rotations"), "{names:?}");
+    assert!(!names.iter().any(|name| name.contains("learned")), "{names:?}");
 }
 
 #[test]

@@ -138,18 +138,6 @@ impl FilmPredictor {
         }
     }
 
-    /// The same prediction from T2's location alone, where there is one.
-    #[must_use]
-    pub const fn without_tilt(self) -> Self {
-        match self {
-            Self::LineWithTilt(kind) => Self::Line(kind),
-            Self::Baseline(Baseline::RotationPriorWithTilt) => {
-                Self::Baseline(Baseline::RotationPrior)
-            }
-            Self::Line(_) | Self::Baseline(_) => self,
-        }
-    }
-
     /// Whether it is a line of action.
     #[must_use]
     pub const fn is_line(self) -> bool {

@@ -23,7 +23,7 @@ named! {
         /// Mean rotations of the bends of other patients.
         OtherPatients = "other_patients" as "mean rotations of other patients",
         /// The distribution of joint rotations over the bends of other patients.
-        RotationPrior = "rotation_prior" as "distribution of rotations",
+        RotationPrior = "rotation_prior" as "distribution learned from other patients",
         /// The published or the given distribution of joint rotations, and the tilt of T2 on the film.
         RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations",
         /// The distribution of joint rotations over the bends of other patients of a cohort, and the tilt of T2 on the film.

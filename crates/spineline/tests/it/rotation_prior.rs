@@ -102,6 +102,16 @@ fn a_prediction_is_the_most_probable_one() {
 }
 
 #[test]
+fn a_learned_distribution_has_one_name_and_the_published_one_another() {
+    let [location, tilt, published] =
+        [Baseline::RotationPrior, Baseline::LearnedWithTilt, Baseline::RotationPriorWithTilt]
+            .map(Baseline::long_name);
+    assert_eq!(location, "distribution learned from other patients");
+    assert_eq!(tilt, format!("{location} with tilt"));
+    assert_eq!(published, "distribution of rotations with tilt");
+}
+
+#[test]
 fn the_tilt_of_t2_separates_rotation_from_scale() {
     let erect = measured(&exact_case(1).films[0]);
     // Less rotation than usual on a film that is shorter than usual.
