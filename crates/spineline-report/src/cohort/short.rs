@@ -69,7 +69,8 @@ fn sure(cohort: &Cohort) -> String {
         .filter_map(|test| {
             let better = test.predicts_better()?;
             let other = test.lines.into_iter().find(|&kind| kind != better)?;
-            Some(format!("the {better} predicts {} better than the {other}", test.role))
+            let films = test.role.films_words();
+            Some(format!("the {better} predicts {films} better than the {other}"))
         })
         .collect();
     let lines = match (compared.is_empty(), better.is_empty()) {
@@ -83,7 +84,7 @@ fn sure(cohort: &Cohort) -> String {
     let better: Vec<String> = against
         .iter()
         .filter(|test| test.is_better() && test.is_fair())
-        .map(|test| format!("the {} on {}", test.predictor().long_name(), test.role))
+        .map(|test| format!("the {} on {}", test.predictor().long_name(), test.role.films_words()))
         .collect();
     let baselines = match (against.is_empty(), better.is_empty()) {
         (true, _) => String::new(),

@@ -1,6 +1,6 @@
 //! Bends that were left out of the fit: measured, predicted by the best line, and predicted without mechanics.
 
-use spineline::analysis::{Analysis, ComparedFilm, FilmBands, FilmPredictor, FilmRole};
+use spineline::analysis::{Analysis, ComparedFilm, FilmBands, FilmPredictor};
 use spineline::evaluate::Band;
 use spineline::number::fixed;
 use spineline::spatial::Frontal;
@@ -10,6 +10,7 @@ use super::page::{Page, Sample};
 use super::panel::HeadingKind;
 use super::spines::MEASURED;
 use super::style::{GREY, Ink, Marker, SKY, Shape, action_ink};
+use crate::phrases::sentence_case;
 
 /// Of the 95 % band: lines stay readable over it.
 const BAND_OPACITY: f64 = 0.45;
@@ -27,10 +28,7 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
     let films: Vec<(&ComparedFilm, &FilmBands)> =
         ranking.films.iter().map(|&film| (&compared.films[film], &bands.films[film])).collect();
     let baseline = ranking.baseline.map(|(baseline, _)| baseline);
-    let what = match ranking.role {
-        FilmRole::LeftOutBend => "Bends left out of the fit",
-        FilmRole::Fitted | FilmRole::HeldOut => "Neutral and traction films",
-    };
+    let what = sentence_case(ranking.role.films_words());
     let title = format!("{what}, measured and predicted, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push(format!("{VIEW} Circles: vertebra midpoints, {}.", extent_words(analysis)));

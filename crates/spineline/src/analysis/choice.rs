@@ -71,7 +71,7 @@ impl Analysis {
             let words = if lost.is_empty() {
                 compared.choice_words().unwrap_or_default()
             } else {
-                let films = ranking.role.predicted_words();
+                let films = ranking.role.films_words();
                 format!(
                     "The {kind} has the smallest error on {films}, {} mm, of the lines with a converged model; {} did not converge.",
                     fixed(mm, 1),

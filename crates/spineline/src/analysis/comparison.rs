@@ -27,11 +27,13 @@ impl FilmRole {
     /// The roles of films that are predicted and not fitted.
     pub const PREDICTED: [Self; 2] = [Self::LeftOutBend, Self::HeldOut];
 
-    /// The films, in a sentence on their prediction.
-    pub(super) const fn predicted_words(self) -> &'static str {
+    /// The films, within a sentence.
+    #[must_use]
+    pub const fn films_words(self) -> &'static str {
         match self {
+            Self::Fitted => "fitted bends",
             Self::LeftOutBend => "bends left out of the fit",
-            Self::Fitted | Self::HeldOut => "neutral and traction films",
+            Self::HeldOut => "neutral and traction films",
         }
     }
 }

@@ -442,7 +442,7 @@ impl LinesCompared {
 
     /// The films of a ranking, after "on".
     pub(super) fn ranked_films_words(&self, ranking: &Ranking) -> String {
-        let films = ranking.role.predicted_words();
+        let films = ranking.role.films_words();
         let (shared, all) = (ranking.films.len(), self.count(ranking.role));
         if shared == all {
             films.to_owned()

@@ -237,7 +237,10 @@ impl BaselinesOverPatients {
         };
         let mut all = Vec::new();
         if let Some((best, words)) = self.best(role, false).zip(baselines(false)) {
-            all.push(format!("{}, predicted without mechanics: {words}.", films_words(role)));
+            all.push(format!(
+                "Errors of predictions without mechanics on {}: {words}.",
+                role.films_words()
+            ));
             all.extend(self.tests_against(best).filter_map(line_sentence));
             let is_tested = self.tests_against(best).any(|test| test.holm_p.is_some());
             let mut tests = self.tests_against(best);
@@ -315,7 +318,7 @@ fn errors_words<'a, By: Display + 'a>(
 /// A line beside the best prediction without mechanics: whether it is better or worse, or neither.
 fn line_sentence(test: &BaselineTest) -> Option<String> {
     let difference = test.comparison.mean_difference;
-    let sense = if difference < 0.0 { "smaller" } else { "larger" };
+    let (sense, sign) = if difference < 0.0 { ("smaller", -1.0) } else { ("larger", 1.0) };
     let more = if test.is_fair() { "" } else { " (two more numbers from each film)" };
     let verdict = match test.outcome() {
         ComparisonOutcome::Better => "is better than",
@@ -324,19 +327,11 @@ fn line_sentence(test: &BaselineTest) -> Option<String> {
         ComparisonOutcome::NotTested => return None,
     };
     Some(format!(
-        "There the {}{more} {verdict} {}: its error is {sense} by {} mm (line minus baseline, {}; p {} after Holm's correction).",
+        "There the {}{more} {verdict} {}: its error is {sense} by {} mm ({}; p {} after Holm's correction).",
         test.model,
         test.baseline.long_name(),
         fixed(difference.abs(), 1),
-        test.comparison.patients_words(1.0),
+        test.comparison.patients_words(sign),
         probability(test.holm_p?)
     ))
-}
-
-/// Films of a role, at the start of a sentence.
-const fn films_words(role: FilmRole) -> &'static str {
-    match role {
-        FilmRole::HeldOut => "Neutral and traction films",
-        FilmRole::LeftOutBend | FilmRole::Fitted => "Bends left out",
-    }
 }

@@ -136,7 +136,7 @@ impl LinesOverPatients {
             (best.mean_location_mm() > Ranking::MAX_PREDICTED_MM).then(|| {
                 format!(
                     "No line with fewest parameters predicts {}: the smallest mean error, with the {}, is {} mm, above the limit of {} mm.",
-                    films_words(role),
+                    role.films_words(),
                     best.kind,
                     fixed(best.mean_location_mm(), 1),
                     fixed(Ranking::MAX_PREDICTED_MM, 0)
@@ -177,18 +177,10 @@ fn difference(test: &LinePairTest) -> String {
     let (more, less, sign) = if mean > 0.0 { (first, second, 1.0) } else { (second, first, -1.0) };
     format!(
         "on {} the error of the {more} is {} mm larger than the error of the {less} ({})",
-        films_words(test.role),
+        test.role.films_words(),
         fixed(mean.abs(), 1),
         test.comparison.patients_words(sign)
     )
-}
-
-const fn films_words(role: FilmRole) -> &'static str {
-    match role {
-        FilmRole::Fitted => "fitted bends",
-        FilmRole::LeftOutBend => "left-out bends",
-        FilmRole::HeldOut => "neutral and traction films",
-    }
 }
 
 /// A significant difference in prediction, and whether the comparison is fair.
@@ -201,7 +193,7 @@ fn better_sentence(test: &LinePairTest) -> Option<String> {
         let [a, b] = test.per_predicted_film;
         (first, [b, a])
     };
-    let films = films_words(test.role);
+    let films = test.role.films_words();
     let [low, high] = test.comparison.bootstrap?;
     let (least, most) = (low.abs().min(high.abs()), low.abs().max(high.abs()));
     let interval = if low.signum() == high.signum() {
