@@ -97,10 +97,13 @@ fn sure(cohort: &Cohort) -> String {
                 .to_owned()
         }
         (false, false) => {
-            format!(" Better than the best prediction without mechanics: {}.", better.join(", "))
+            let better = better.join(", ");
+            format!(" Better than the best tested prediction without mechanics: {better}.")
         }
     };
-    format!("{lines}{baselines}")
+    let untested = |role| cohort.baselines.untested_sentence(role);
+    let untested = FilmRole::PREDICTED.into_iter().filter_map(untested);
+    [format!("{lines}{baselines}")].into_iter().chain(untested).collect::<Vec<_>>().join(" ")
 }
 
 /// A question that a family of tests of as many patients cannot answer, whatever the differences are.
@@ -153,7 +156,7 @@ fn comparisons(cohort: &Cohort) -> Table {
         add.numbers("Holm p", |row| holm_p(row.holm_p));
     });
     table.note = format!(
-        "Negative: the first one has the smaller error; an interval needs {} patients. * the best prediction without mechanics. With tilt: both know the tilt of the top vertebra. † not fair: the estimated line takes two numbers more from each film.",
+        "Negative: the first one has the smaller error; an interval needs {} patients. * the best tested prediction without mechanics. With tilt: both know the tilt of the top vertebra. † not fair: the estimated line takes two numbers more from each film.",
         Resampling::FEWEST
     );
     table

@@ -127,6 +127,27 @@ impl BaselinesOverPatients {
         same.min_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()))
     }
 
+    /// The prediction with T2's tilt that lines are not tested against, where its error is smaller than the error of a line that is better
+    /// than the best tested prediction.
+    #[must_use]
+    pub fn untested_sentence(&self, role: FilmRole) -> Option<String> {
+        let best = self.best(role, true)?;
+        let untested = self.errors.iter().find(|one| one.role == role && !one.by.is_tested())?;
+        let lines = self.lines_with_tilt.iter().filter(|line| line.role == role);
+        let mut above = lines.filter(|line| line.mean_mm() > untested.mean_mm());
+        let is_better = |line: &PredictionErrors<LineKind>| {
+            self.tests_against(best).any(|test| test.model == line.by && test.is_better())
+        };
+        above.any(is_better).then(|| {
+            format!(
+                "The {} has a smaller error on {}, {} mm; no line is tested against it, because it knows more.",
+                untested.by.long_name(),
+                role.films_words(),
+                fixed(untested.mean_mm(), 1)
+            )
+        })
+    }
+
     /// Tests of lines in the family that Holm's correction is over.
     #[must_use]
     pub fn family(&self) -> usize {
@@ -262,6 +283,7 @@ impl BaselinesOverPatients {
             let lines = lines.map_or_else(String::new, |lines| format!("; by lines: {lines}"));
             all.push(format!("With the tilt of the top vertebra too: {words}{lines}."));
             all.extend(self.tests_against(best).filter_map(line_sentence));
+            all.extend(self.untested_sentence(role));
         }
         let best = [false, true].into_iter().filter_map(|tilt| self.best(role, tilt));
         all.extend(best.filter_map(|best| self.hypotheses_sentence(role, best.by)));
