@@ -225,7 +225,7 @@ spineline::faults! {
         #[error(
             "the distribution of joint rotations was learned from the case {case_id}, so it cannot predict its films"
         )]
-        #[help("leave out `rotation_prior` (a cohort predicts every patient from the others), or learn it from other cases")]
+        #[help("leave out this distribution (a cohort predicts every patient from the others), or learn it from other cases")]
         LearnedFrom {
             case_id: String,
         },

@@ -7,6 +7,7 @@ use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline_files::method_text::missing_known_force;
 
 use crate::analysis::films::check_films;
+use crate::analysis::record::RunRecord;
 use crate::run::failure::Failure;
 use crate::run::inputs::CaseInput;
 use crate::run::provenance::shown_name;
@@ -37,14 +38,14 @@ impl Refusal {
 /// Reads and analyses a case of a cohort.
 ///
 /// # Errors
-/// If the file does not hold a case, or the analysis fails.
-pub fn analyze_member(
-    path: &Path,
-    options: &AnalysisOptions,
-) -> Result<(CaseInput, Analysis), Refusal> {
+/// If the file does not hold a case, the record refuses it, or the analysis fails.
+pub fn analyze_member(path: &Path, record: &RunRecord) -> Result<(CaseInput, Analysis), Refusal> {
     let input = CaseInput::read(path)
         .map_err(|failure| Refusal::new(path, None, RefusalStep::Reading, failure))?;
-    match analyze_input(path, &input, options) {
+    let analyzed = record
+        .check_learned(&input)
+        .and_then(|()| analyze_input(path, &input, &record.request.options));
+    match analyzed {
         Ok(analysis) => Ok((input, analysis)),
         Err(failure) => Err(Refusal::new(path, Some(&input), RefusalStep::Analysis, failure)),
     }

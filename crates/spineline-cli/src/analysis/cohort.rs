@@ -44,8 +44,7 @@ impl Members {
     /// # Errors
     /// If no case is left, or the threads cannot be started.
     pub fn analyze(paths: &[PathBuf], record: &RunRecord, threads: usize) -> Result<Self, Failure> {
-        let options = &record.request.options;
-        let results = map_all("analysing", paths, threads, |path| analyze_member(path, options))?;
+        let results = map_all("analysing", paths, threads, |path| analyze_member(path, record))?;
         let mut all = Self::default();
         for (path, result) in paths.iter().zip(results) {
             let found = result.and_then(|found| {

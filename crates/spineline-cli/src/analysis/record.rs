@@ -92,6 +92,17 @@ impl RunRecord {
         self.provenance_from(from).of_cases([case.case.id.clone()])
     }
 
+    /// Refuses a case from which the given distribution of joint rotations was learned: it would predict its own data.
+    ///
+    /// # Errors
+    /// Of such a case.
+    pub fn check_learned(&self, source: &CaseInput) -> Result<(), Failure> {
+        let Some(prior) = &self.rotation_prior else { return Ok(()) };
+        let InputFile { name, sha256, .. } = &source.input;
+        let known = prior.check_case(sha256, &source.case.id);
+        known.map_err(|error| Failure::file(Path::new(name), &error))
+    }
+
     /// Provenance of an output that is made from several cases.
     pub fn provenance_of_all(&self, read: &ReadCases) -> Provenance {
         let from = read.cases.values().map(|case| (case.synthetic, &case.input));
@@ -112,14 +123,9 @@ impl ReadCases {
     /// Adds a case.
     ///
     /// # Errors
-    /// If its patient was read before ([`KnownPatients`]), or if the distribution of joint rotations was
-    /// learned from it (it would predict its own data).
+    /// If its patient was read before ([`KnownPatients`]).
     pub fn add(&mut self, source: &CaseInput, record: &RunRecord) -> Result<(), Failure> {
         let (name, id) = (&source.input.name, &source.case.id);
-        if let Some(prior) = &record.rotation_prior {
-            let known = prior.check_case(&source.input.sha256, id);
-            known.map_err(|error| Failure::file(Path::new(name), &error))?;
-        }
         count_once(&mut self.known, name, &source.case)?;
         let other = |asked: &Request| asked.options != record.request.options;
         let case = ReadCase {

@@ -68,6 +68,12 @@ fn nothing_is_predicted_of_patients_who_were_learned_from() {
     let asked = ["analyze", "again.json", "--rotation-prior", "prior.json"];
     let error = here.refused(&asked, 3);
     assert!(error.contains("was learned from the case"), "{error}");
+    // Beside another patient they are refused before their analysis.
+    let asked = ["analyze", "cases", "other", "--rotation-prior", "prior.json"];
+    here.refused(&[&asked[..], &["--cohort", "cohort.json"]].concat(), 3);
+    let file = here.json("cohort.json");
+    let steps = file["refused"].as_array().expect("cases").iter().map(|one| &one["step"]);
+    assert_eq!(steps.collect::<Vec<_>>(), ["analysis"; 5]);
 }
 
 #[test]

@@ -40,7 +40,7 @@ impl Asked<'_> {
 
     pub(super) fn analyze(self, path: &Path) -> Result<Analysed, Refusal> {
         let request = &self.record.request;
-        let (input, analysis) = analyze_member(path, &request.options)?;
+        let (input, analysis) = analyze_member(path, self.record)?;
         let threads = if self.is_long() { self.args.threads } else { 1 };
         let confidence = Confidence::compute(&input.case, &analysis, request, threads)
             .map_err(|failure| Refusal::new(path, Some(&input), RefusalStep::Analysis, failure))?;

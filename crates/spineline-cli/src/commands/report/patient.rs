@@ -20,6 +20,7 @@ use crate::run::provenance::generator;
 pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, Failure> {
     let record = RunRecord::new(&args.method, &args.uncertainty)?;
     let source = CaseInput::read(path)?;
+    record.check_learned(&source)?;
     let mut read = ReadCases::default();
     read.add(&source, &record)?;
     outputs.of_case(&source.case.id);
