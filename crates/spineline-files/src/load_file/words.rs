@@ -1,5 +1,5 @@
 use spineline::multibody::Timing;
-use spineline::spatial::{moment_words, vector_words};
+use spineline::spatial::{displacement_words, moment_words, rotation_words, vector_words};
 
 use super::AppliedLoad;
 
@@ -37,26 +37,38 @@ impl AppliedLoad {
                 )
             }
             AppliedLoad::Pad { level, direction, n_per_mm, advance_mm, .. } => format!(
-                "pad on {}, advanced (mm) {}, with {n_per_mm} per mm",
-                level,
-                vector_words(direction.map(|part| part * advance_mm))
+                "pad on {level}: {}, {}",
+                displacement_words(direction.map(|part| part * advance_mm)),
+                spring_words(*n_per_mm, force_unit)
             ),
-            AppliedLoad::Strap { level, n_per_mm, shortening_mm, .. } => {
-                format!("strap on {}, shortened by {shortening_mm} mm, {n_per_mm} per mm", level)
-            }
+            AppliedLoad::Strap { level, n_per_mm, shortening_mm, .. } => format!(
+                "strap on {level}: shortened by {shortening_mm} mm, {}",
+                spring_words(*n_per_mm, force_unit)
+            ),
             AppliedLoad::Rod { inferior, superior, shift_mm, turn_deg, .. } => {
-                let fixed = shift_mm.iter().chain(turn_deg).all(|part| *part == 0.0);
-                let how = if fixed {
-                    "keeps their erect pose"
+                let is_moved = |by: &[f64; 3]| by.iter().any(|part| *part != 0.0);
+                let turn = is_moved(turn_deg).then(|| rotation_words(*turn_deg));
+                let shift = is_moved(shift_mm).then(|| displacement_words(*shift_mm));
+                let moves: Vec<String> = turn.into_iter().chain(shift).collect();
+                let how = if moves.is_empty() {
+                    "keeps their erect pose".to_owned()
                 } else {
-                    "moves them relative to each other"
+                    format!("moves {superior} from its erect pose by {}", moves.join(" and "))
                 };
-                format!("rod from {} to {}: {how}", inferior, superior)
+                format!("rod from {inferior} to {superior}: {how}")
             }
         };
         match self.timing() {
             Timing::Constant => format!("{words} (constant)"),
             Timing::Proportional => words,
         }
+    }
+}
+
+/// The stiffness of a spring; relative forces have no unit.
+fn spring_words(n_per_mm: f64, force_unit: &str) -> String {
+    match force_unit {
+        "N" => format!("spring {n_per_mm} N/mm"),
+        _ => format!("spring {n_per_mm} relative units per mm"),
     }
 }

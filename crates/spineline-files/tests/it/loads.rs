@@ -67,6 +67,32 @@ fn every_load_kind_is_read_and_placed() {
 }
 
 #[test]
+fn pads_straps_and_rods_say_how_far_they_move() {
+    let loads = r#"[
+      {"kind":"pad","level":"T9","direction":[0,0.6,0.8],"force_per_mm":2,"advance_mm":10},
+      {"kind":"strap","level":"T4","anchor_mm":[0,-200,300],"force_per_mm":1.5,"shortening_mm":5},
+      {"kind":"rod","inferior":"L1","superior":"T6","turn_deg":[-5,0,0],"shift_mm":[0,-3,0],"timing":"held"},
+      {"kind":"rod","inferior":"L1","superior":"T6","turn_deg":[5,0,0]},
+      {"kind":"rod","inferior":"L1","superior":"T6"}
+    ]"#;
+    let read = parse_load(&file(loads)).expect("sound");
+    let words =
+        |unit: &str| -> Vec<String> { read.loads.iter().map(|load| load.words(unit)).collect() };
+    assert_eq!(
+        words("N"),
+        [
+            "pad on T9: 6.0 mm to the left, 8.0 mm cranial, spring 2 N/mm",
+            "strap on T4: shortened by 5 mm, spring 1.5 N/mm",
+            "rod from L1 to T6: moves T6 from its erect pose by 5.0° bending left and 3.0 mm to the right (constant)",
+            "rod from L1 to T6: moves T6 from its erect pose by 5.0° bending right",
+            "rod from L1 to T6: keeps their erect pose",
+        ]
+    );
+    let relative = words(model().force_unit());
+    assert!(relative[1].ends_with("spring 1.5 relative units per mm"), "{}", relative[1]);
+}
+
+#[test]
 fn loads_round_trip() {
     let read = parse_load(&file(EVERY_KIND)).expect("sound");
     let text = to_text(&read);

@@ -16,7 +16,7 @@ pub use angle::Angle;
 pub use frontal::{Frontal, Pixel};
 pub use orientation::Orientation;
 pub use sine::sin_cos;
-pub use words::{moment_words, sideways_words, vector_words};
+pub use words::{displacement_words, moment_words, rotation_words, sideways_words, vector_words};
 
 /// A vector of three components; millimetres, newtons or newton millimetres as its name says.
 pub type Vec3 = nalgebra::Vector3<f64>;
