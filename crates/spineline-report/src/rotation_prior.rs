@@ -67,6 +67,6 @@ fn errors(learned: &LearnedRotations) -> Table {
             if errors.patients.n == 0 { none() } else { mean_words(errors, 1) }
         });
     });
-    table.note = "Without mechanics. The scale of every film is fitted too. A line of action uses only the location of the top vertebra.".to_owned();
+    table.note = "Without mechanics. The scale of a film is fitted where the film or the erect film does not state it exactly. A line of action uses only the location of the top vertebra.".to_owned();
     table
 }

@@ -22,6 +22,9 @@ fn a_learned_distribution_predicts_the_bends_of_another_patient() {
     let said = here.done(&["learn-prior", "cases", "--out", "prior.json"]);
     let parts = ["6 patients, 12 bends", "SYNTHETIC", "L4/L3", "tilt of the top vertebra"];
     assert_says(&said, &parts);
+    let scale =
+        "The scale of a film is fitted where the film or the erect film does not state it exactly.";
+    assert!(unwrapped(&said).contains(scale), "{said}");
     let file = here.json("prior.json");
     assert_eq!(file["synthetic"], true);
     assert_eq!(file["prior"]["patients"], 6);
