@@ -48,11 +48,10 @@ impl Analysis {
             "",
             |_| " (95 % intervals by landmark noise and the unknown form of the curve)",
         );
-        let base = movement.levels().base();
-        format!("{turns}\nInflections along the curve from {base}: {}{by}", places.join("; "))
+        format!("{turns}\nInflections along the curve: {}{by}", places.join("; "))
     }
 
-    /// Where an inflection lies along the curve, and between which ends; an end that the films do not limit is missing.
+    /// How far along the curve from the base an inflection lies, and between which ends where the films limit it.
     fn inflection_place(
         &self,
         inflection: &Inflection,
@@ -60,20 +59,20 @@ impl Analysis {
     ) -> String {
         let scale = self.movement.scale();
         let along_mm = self.movement.erect().fit.curve.length_mm(inflection.t_mm);
-        let place = format!("{} at {}", inflection.place(), scale.text(along_mm, 0));
-        let mm = |mm: f64| mm * scale.units_per_mm;
+        let base = self.movement.levels().base();
+        let place = format!("{}, {} from {base}", inflection.place(), scale.text(along_mm, 0));
         match interval {
             None => place,
-            Some(None) => format!("{place}, not limited"),
+            Some(None) => format!("{place} (not limited)"),
             Some(Some(InflectionInterval {
                 along_mm: [from, to],
                 between: (below, above),
                 ..
             })) => {
-                format!(
-                    "{place}, {}, {below} to {above}",
-                    number::interval([mm(*from), mm(*to)], 0)
-                )
+                let ends = [*from, *to].map(|mm| mm * scale.units_per_mm);
+                let unit = if scale.has_millimetres() { "mm" } else { "px" };
+                let ends = number::interval(ends, 0);
+                format!("{place} ({ends} {unit}; between {below} and {above})")
             }
         }
     }
