@@ -13,6 +13,9 @@ use crate::phrases::none;
 /// Note on the statistics.
 pub(crate) const NOTE: &str = "SEM, MDC95 and limits of agreement describe the readers alone. Every correlation also increases with the standard deviation between the subjects. Intervals treat the subjects as independent; vertebrae of one film are not, so true intervals are wider.";
 
+/// Note on quantities of films.
+const FILM_NOTE: &str = "A subject is one vertebra, or one with its neighbours, on one film. As paper: all vertebrae together as in the paper, so correlations include the place of a vertebra along the spine and the posture.";
+
 /// One row per quantity: the error of a reading, and how well observers agree.
 #[must_use]
 pub fn summary(found: &[QuantityReliability], synthetic: bool, generator: &str) -> Document {
@@ -62,7 +65,7 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
     let rows = found.iter().filter_map(|quantity| Some((quantity, short_design(quantity)?)));
     let mut table = Table::of("Reliability of one reading", rows, |add| {
         add.words("Quantity", |(quantity, _)| {
-            format!("{} ({})", quantity.key.replace('_', " "), quantity.unit)
+            format!("{}, {}", quantity.key.replace('_', " "), quantity.unit)
         });
         add.words("Compared", |(_, design)| match &design.design {
             Design::InterObserverSingle { .. } => "observers".to_owned(),
@@ -78,6 +81,9 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
         add.numbers("r", |(_, design)| value(design, StatisticKind::Pearson));
     });
     table.note = format!("MDC95: smallest real change of one reading. r: Pearson. {NOTE}");
+    if found.iter().any(|quantity| quantity.key.ends_with("_as_paper")) {
+        table.note.push_str(&format!(" {FILM_NOTE}"));
+    }
     let mut remarks = remarks_of(found);
     if let Some(left_out) = remarks.find(|remark| matches!(remark, Remark::InPixels { .. })) {
         table.note.push_str(&format!(" {left_out}."));

@@ -253,6 +253,24 @@ fn readings_that_cannot_be_compared_say_why() {
 }
 
 #[test]
+fn subjects_and_units_of_readings_of_films_are_explained() {
+    let text = |key: &str| {
+        let mut quantity = RatedQuantity::new(key, "mm (patient)", "");
+        for subject in 0..4 {
+            for (observer, value) in [("A", subject * subject), ("B", 3 * subject)] {
+                assert!(quantity.insert(&subject.to_string(), observer, 1, f64::from(value)));
+            }
+        }
+        terminal(&reliability::summary(&[assess(&quantity)], false, GENERATOR), 400)
+    };
+    let of_films = text("location_y_as_paper");
+    assert!(of_films.contains("location y as paper, mm (patient)"), "{of_films}");
+    let note = "A subject is one vertebra, or one with its neighbours, on one film. As paper: ";
+    assert_eq!(of_films.matches(note).count(), 1, "{of_films}");
+    assert!(!text("score").contains(note));
+}
+
+#[test]
 fn a_summary_of_readings_names_what_was_counted_apart_or_left_out() {
     let mut found = Vec::new();
     for (key, subjects) in [("q", 4), ("Q", 4), ("r", 1)] {
