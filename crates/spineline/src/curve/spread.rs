@@ -46,7 +46,7 @@ impl CurveSpread<'_> {
         Matrix2::from_fn(|i, j| (places[i].transpose() * &self.covariance * &places[j])[(0, 0)])
     }
 
-    /// Covariance of the curve's own place at two parameters: `(y, z)` of the first and of the second, in mm².
+    /// Covariance of the place of the curve at two parameters: `(y, z)` of the first and of the second, in mm².
     #[must_use]
     pub fn points_mm2(&self, t_mm: [f64; 2]) -> Matrix4<f64> {
         let terms = self.curve.y.coefficients().count();

@@ -7,10 +7,10 @@
 //! its alternatives.
 //!
 //! # The base
-//! L4 is the origin of every film's frame and its axis is the frame's, so that L4 is at rest by definition and its own turn in
-//! the patient is not visible. An error of L4's axis on a film, or a turn of L4 under the soft tissue that the erect film does not
-//! show, turns **everything above by one angle** and changes no angle between two vertebrae. This angle about L4's midpoint is the
-//! base's: held at zero, with a prior by the noise of two axes, or free.
+//! L4 is the origin of every film's frame and its axis is the axis of the frame, so that L4 is at rest by definition and its turn
+//! in the patient is not visible. An error of L4's axis on a film, or a turn of L4 under the soft tissue that the erect film does not
+//! show, turns **everything above by one angle** and changes no angle between two vertebrae. This angle about L4's midpoint
+//! belongs to the base: held at zero, with a prior by the noise of two axes, or free.
 //!
 //! # What decides
 //! Never the fit. Films that were not fitted ([`Role::HeldOut`], [`Role::LeftOut`]) are predicted from T2's place alone, two

@@ -94,7 +94,7 @@ impl SearchTarget for NearestT2Target {
         let [t2, t2_rate] = t2_of(solution);
         let gap = Frontal::new(t2.y, t2.z) - self.0;
         let moves = Frontal::new(t2_rate.y, t2_rate.z);
-        // Half the derivative of the squared distance; its own derivative without the curvature of the path.
+        // Half the derivative of the squared distance, and the derivative of this half without the curvature of the path.
         let (value, rate) = (gap.dot(moves), moves.dot(moves).max(f64::MIN_POSITIVE));
         let met = value.abs() < 1e-10 * rate.sqrt().max(1e-6);
         let gap_mm = gap.norm_mm();

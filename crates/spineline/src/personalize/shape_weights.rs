@@ -23,8 +23,8 @@ impl ShapeWeights {
         }
     }
 
-    /// Of one vertebra: where the erect film does not show it, or a program found its corners there, the model's own place of
-    /// it is less certain.
+    /// Of one vertebra: where the erect film does not show it, or a program found its corners there, its place in the model
+    /// is less certain.
     pub fn with_model(self, uncertain: Option<&Noise>) -> Self {
         let Some(found) = uncertain else { return self };
         Self {

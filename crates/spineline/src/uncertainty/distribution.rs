@@ -11,8 +11,8 @@ const CENTROIDS: usize = 1000;
 
 /// The distribution of a stream of numbers.
 ///
-/// Quantiles come from a t-digest, whose error is smallest in the tails. The values are taken in blocks of this type's own,
-/// so that the same stream gives the same bytes, however it was computed.
+/// Quantiles come from a t-digest, whose error is smallest in the tails. Values are taken in blocks of one size, so that
+/// the same stream gives the same bytes, however it was computed.
 ///
 /// # References
 /// [dunning-2019]; mean and deviation by [welford-1962].

@@ -8,8 +8,8 @@
 //!
 //! The corners of a lateral film are perturbed too, with their own deviation ([`crate::measure::SpatialOutline`]).
 //!
-//! Two things are held at the case's own: the deviations by which frontal films are weighted ([`crate::measure::Noise`]:
-//! perturbed readings contain noise twice, and would give too large ones), and the options.
+//! Every replicate takes two things from the case without a change: the options, and the deviations by which frontal films are
+//! weighted ([`crate::measure::Noise`]: perturbed readings contain noise twice, and would give too large ones).
 //!
 //! # What it does not say
 //! Noise that all readers share, the error of the erect film's own scale, the choice of levels and the model's own faults are

@@ -283,7 +283,7 @@ impl AnalysisQuantity {
         ENDS.get(self.end?).copied()
     }
 
-    /// The scale of its lengths: of a vertebra its own film's, else the erect film's.
+    /// The scale of its lengths: for a vertebra the scale of its film, else the scale of the erect film.
     pub(super) fn scale(self, analysis: &Analysis) -> &LengthScale {
         let movement = &analysis.movement;
         let film = self.level.and(self.posture).and_then(|posture| movement.film(posture));
