@@ -3,12 +3,14 @@
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
+use spineline::number::fixed;
+use spineline_phantom::Scenario;
 use spineline_report::document::{Block, Section};
 use spineline_report::figures::{case_overview, line_identification, spine_in_space};
 use spineline_report::html;
 use spineline_report::patient::films_table;
 
-use crate::common::{analyzed, exact_rod, report, section};
+use crate::common::{self, analyzed, exact_rod, report, section};
 
 /// A phantom whose films of some postures lack a spacing.
 fn case(without: &[Posture]) -> Case {
@@ -99,4 +101,24 @@ fn a_lenke_type_says_that_it_uses_frontal_films_alone() {
     let words = analyzed(&case(&[])).lenke_words();
     assert!(words.starts_with("Lenke type "), "{words}");
     assert!(words.ends_with(" (by frontal films alone, no modifiers)"), "{words}");
+}
+
+#[test]
+fn an_inflection_is_given_by_its_distance_along_the_curve_from_the_base() {
+    let analysis = analyzed(&common::case(0, Scenario::Rod));
+    let movement = &analysis.movement;
+    let pair = movement.inflections.pair.as_ref().expect("a double curve");
+    let intervals = movement.inflection_intervals.expect("a graph");
+    let scale = movement.scale();
+    let text = analysis.inflection_words();
+    for (inflection, interval) in pair.iter().zip(intervals.each) {
+        let along_mm = movement.erect().fit.curve.length_mm(inflection.t_mm);
+        let place = format!("{}, {} from L4", inflection.place(), scale.text(along_mm, 0));
+        let ends = interval.map_or("not limited".to_owned(), |found| {
+            let [from, to] = found.along_mm.map(|mm| fixed(scale.units_per_mm * mm, 0));
+            let (below, above) = found.between;
+            format!("{from} to {to} mm; between {below} and {above}")
+        });
+        assert!(text.contains(&format!("{place} ({ends})")), "{place} ({ends}): {text}");
+    }
 }

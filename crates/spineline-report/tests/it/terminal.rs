@@ -66,26 +66,6 @@ fn the_header_the_main_finding_and_the_curve_are_shown() {
 }
 
 #[test]
-fn an_inflection_is_given_by_its_distance_along_the_curve_from_the_base() {
-    let analysis = analyzed(&case(0, Scenario::Rod));
-    let movement = &analysis.movement;
-    let pair = movement.inflections.pair.as_ref().expect("a double curve");
-    let intervals = movement.inflection_intervals.expect("a graph");
-    let scale = movement.scale();
-    let text = analysis.inflection_words();
-    for (inflection, interval) in pair.iter().zip(intervals.each) {
-        let along_mm = movement.erect().fit.curve.length_mm(inflection.t_mm);
-        let place = format!("{}, {} from L4", inflection.place(), scale.text(along_mm, 0));
-        let ends = interval.map_or("not limited".to_owned(), |found| {
-            let [from, to] = found.along_mm.map(|mm| fixed(scale.units_per_mm * mm, 0));
-            let (below, above) = found.between;
-            format!("{from} to {to} mm; between {below} and {above}")
-        });
-        assert!(text.contains(&format!("{place} ({ends})")), "{place} ({ends}): {text}");
-    }
-}
-
-#[test]
 fn every_clinical_angle_and_every_fitted_curve_is_shown() {
     let case = case(0, Scenario::Rod);
     let analysis = analyzed(&case);
