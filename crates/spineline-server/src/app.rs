@@ -44,6 +44,8 @@ fn routes() -> OpenApiRouter<AppState> {
 pub fn app(state: AppState) -> Router {
     let (api, _) = routes().split_for_parts();
     api.route("/api", routing::any(unknown))
+        // `{*unknown}` needs at least one character.
+        .route("/api/", routing::any(unknown))
         .route("/api/{*unknown}", routing::any(unknown))
         .fallback(assets::serve)
         .method_not_allowed_fallback(wrong_method)
