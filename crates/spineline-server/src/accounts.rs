@@ -43,7 +43,7 @@ async fn put_account(
         }
         None => None,
     };
-    let by = user.sign(state.now());
+    let by = user.sign();
     let change = AccountChange { role: role.map(|role| role.0), password, enabled };
     let account = state
         .ask(move |store| match store.account(&name) {

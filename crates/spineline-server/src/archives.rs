@@ -97,6 +97,6 @@ async fn open(
 
 /// Logs who queried an archive, but not for which patient.
 async fn log(state: &AppState, user: &User, what: &'static str, archive: String) -> Answer<()> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     state.store(move |store| store.log_archive(what, &archive, &by)).await
 }

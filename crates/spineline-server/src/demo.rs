@@ -39,14 +39,13 @@ pub fn routes() -> OpenApiRouter<AppState> {
 async fn demo(State(state): State<AppState>, user: User) -> Answer<Json<StudyDetail>> {
     user.need(Role::Editor)?;
     let (case, thumbnails) = computed(draw).await??;
-    let now = state.now();
     let asker = state.clone();
     let detail = state.ask(move |store| {
         let mut case = case;
         for number in 1..=MAX_DEMOS {
             let name = if number == 1 { "demo-rod-01" } else { &format!("demo-rod-01-{number}") };
             case.study.id = Name::new(name)?;
-            match store.add_own_case(&case, &user.sign(now)) {
+            match store.add_own_case(&case, &user.sign()) {
                 Ok(added) => {
                     for (content, small) in &thumbnails {
                         keep_thumbnails(store, content, small);

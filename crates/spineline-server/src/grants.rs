@@ -44,7 +44,7 @@ async fn put_grants(
     Json(wanted): Json<Vec<Grant>>,
 ) -> Answer<Json<Vec<Grant>>> {
     let study = study_name(&id)?;
-    let by = user.sign(state.now());
+    let by = user.sign();
     let grants = state
         .ask(move |store| {
             user.need_on_study(store, &study, Role::Admin)?;

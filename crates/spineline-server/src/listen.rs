@@ -121,7 +121,7 @@ impl Server {
 
 /// Writes the changes that had no room on the disk before. Without room they stay in memory.
 fn save_unsaved(state: &AppState) {
-    let (state, by) = (state.clone(), session::program(state.now()));
+    let (state, by) = (state.clone(), session::program());
     tokio::spawn(async move { state.store(move |store| store.save_unsaved(&by)).await });
 }
 

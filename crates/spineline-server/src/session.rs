@@ -6,9 +6,7 @@ use axum::http::{HeaderMap, HeaderName, StatusCode};
 use axum::response::AppendHeaders;
 use axum_extra::extract::CookieJar;
 use axum_extra::extract::cookie::{Cookie, SameSite};
-use spineline_store::{
-    Access, Credential, Name, PasswordHash, Role, Session, Signature, Store, Timestamp,
-};
+use spineline_store::{Access, Credential, Name, PasswordHash, Role, Session, Signature, Store};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -75,7 +73,7 @@ async fn sign_in(
             return Err(refusal);
         }
     };
-    let by = found.user.sign(state.now());
+    let by = found.user.sign();
     state.store(move |store| store.log_sign_in(&by)).await?;
     begin(&state, &headers, found).await
 }
@@ -154,7 +152,7 @@ async fn by_account(
 
 /// Logs a refused attempt. An error here does not change the answer.
 async fn log_refused(state: &AppState, account: Option<Name>) {
-    let by = program(state.now());
+    let by = program();
     let Some(unlogged) = state.logged_refusals.log(by.at.unix_ms()) else { return };
     let log = move |store: &mut Store| {
         let account = account.filter(|name| store.account(name).is_ok());
@@ -164,8 +162,8 @@ async fn log_refused(state: &AppState, account: Option<Name>) {
 }
 
 /// The program itself, as the log names it.
-pub fn program(at: Timestamp) -> Signature {
-    Signature::new(Name::new("serve").expect("a good name"), at)
+pub fn program() -> Signature {
+    Signature::now(Name::new("serve").expect("a good name"))
 }
 
 fn wrong(message: &str) -> Failure {
@@ -190,7 +188,7 @@ async fn change_password(
         let text = "this program runs without accounts: it has no passwords";
         return Err(Failure::new(StatusCode::CONFLICT, "no_accounts", text));
     }
-    let by = user.sign(state.now());
+    let by = user.sign();
     state.attempts.begin(&Source::Session, &user.name, by.at.unix_ms())?;
     let name = user.name.clone();
     let before = state.store(move |store| store.credential(&name)).await?;

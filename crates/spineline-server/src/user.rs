@@ -27,8 +27,8 @@ pub struct User {
 impl User {
     /// Author of a change, for the journal.
     #[must_use]
-    pub fn sign(&self, at: Timestamp) -> Signature {
-        Signature::new(self.name.clone(), at)
+    pub fn sign(&self) -> Signature {
+        Signature::now(self.name.clone())
     }
 
     /// Permission in a study.

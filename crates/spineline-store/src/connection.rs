@@ -223,6 +223,7 @@ impl Store {
     ) -> Result<T, StoreError> {
         let transaction =
             self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+        let by = &by.of_writing();
         let ledger = Ledger { transaction: &transaction, by };
         ledger.notice_clock()?;
         self.unsaved.save(&transaction, by.at)?;

@@ -10,8 +10,8 @@
 //! The bytes of films are in the database too, once for all films that share them: only one file must be copied, backed up
 //! and locked, and no crash can separate a film from its record.
 //!
-//! The store reads no clock. It keeps permissions ([`Account`], [`StudyGrant`]), and its callers check them. Callers state
-//! author and time of each change ([`Signature`]); a blinded reader gets an [`ObserverView`] and nothing else.
+//! The store keeps permissions ([`Account`], [`StudyGrant`]), and its callers check them. Callers state author and time of
+//! each change, or let the store read the clock ([`Signature`]); a blinded reader gets an [`ObserverView`] and nothing else.
 //!
 //! ```
 //! use spineline_store::{Name, Signature, Store, Study, Timestamp};

@@ -40,7 +40,7 @@ pub(crate) fn repeated<'a>(names: impl IntoIterator<Item = &'a Name>) -> Option<
     names.into_iter().find(|name| !known.insert(*name))
 }
 
-/// A moment in UTC, to the millisecond. The store never reads a clock: callers give the time.
+/// A moment in UTC, to the millisecond. Callers give it, or the clock by [`Signature::now`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Timestamp(DateTime<Utc>);
 
@@ -84,20 +84,32 @@ impl fmt::Display for Timestamp {
     }
 }
 
-/// Author and time of a change, given by the caller.
+/// Author and time of a change.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Signature {
     /// Who.
     pub who: Name,
     /// When.
     pub at: Timestamp,
+    is_by_clock: bool,
 }
 
 impl Signature {
-    /// A signature.
+    /// A signature at a given time.
     #[must_use]
     pub fn new(who: Name, at: Timestamp) -> Self {
-        Self { who, at }
+        Self { who, at, is_by_clock: false }
+    }
+
+    /// A signature by the clock. A change that waits for another one gets the time at which it begins to write.
+    #[must_use]
+    pub fn now(who: Name) -> Self {
+        Self { who, at: SystemTime::now().into(), is_by_clock: true }
+    }
+
+    /// The signature of a change that begins to write.
+    pub(crate) fn of_writing(&self) -> Self {
+        if self.is_by_clock { Self::now(self.who.clone()) } else { self.clone() }
     }
 }
 

@@ -191,7 +191,7 @@ impl Store {
             let transaction = ledger.transaction;
             let slot = own_slot(transaction, code, &by.who)?;
             let study = films::film(transaction, slot.film)?.study;
-            match next(transaction, &study, &by.who, by.at)? {
+            match next(transaction, &study, &by.who, ledger.by.at)? {
                 Next::Begin(film) if film.code == *code => {
                     readings::begin(ledger, slot.film, slot.repeat)
                 }

@@ -15,12 +15,12 @@ impl Store {
     /// [`StoreError::NothingAhead`] where no reading waits for such a time; [`StoreError::Unknown`] for a study without a plan.
     pub fn release_washout(&mut self, study: &Name, by: &Signature) -> Result<usize, StoreError> {
         self.write(by, |ledger| {
-            let transaction = ledger.transaction;
+            let (transaction, now) = (ledger.transaction, ledger.by.at);
             films::open_study(transaction, study)?;
             let plan = plan::plan_of(transaction, study)?.ok_or_else(|| plan::no_plan(study))?;
             let mut ahead = 0;
             for reading in readings::of_study(transaction, study)? {
-                if let Some(rest_from) = reading.rest_from.filter(|&rest_from| by.at < rest_from)
+                if let Some(rest_from) = reading.rest_from.filter(|&rest_from| now < rest_from)
                     && !plan::is_released(transaction, plan.id, reading.id, rest_from)?
                 {
                     ahead += 1;

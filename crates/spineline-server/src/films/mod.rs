@@ -95,7 +95,7 @@ async fn edit(
     Path(film): Path<i64>,
     Json(change): Json<FilmChange>,
 ) -> Answer<Json<FilmSummary>> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     let asker = state.clone();
     let summary = state.ask(move |store| {
         let film = seen_film(store, &user, FilmId(film))?;

@@ -54,7 +54,7 @@ async fn begin(
     Path(film): Path<i64>,
     Json(new): Json<NewReading>,
 ) -> Answer<Json<ReadingView>> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     let asker = state.clone();
     let view = state.ask(move |store| {
         let film = seen_film(store, &user, FilmId(film))?;
@@ -73,7 +73,7 @@ async fn begin_planned(
     user: User,
     Path(code): Path<String>,
 ) -> Answer<Json<ReadingView>> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     let asker = state.clone();
     let view = state.ask(move |store| {
         let code = FilmCode::new(&code);
@@ -110,7 +110,7 @@ async fn finish(
     Path(reading): Path<i64>,
     Json(new): Json<Finish>,
 ) -> Answer<Response> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     let asker = state.clone();
     let answer = state.ask(move |store| {
         let id = ReadingId(reading);
@@ -159,7 +159,7 @@ async fn withdraw(
     Path(reading): Path<i64>,
     Json(new): Json<NewWithdrawal>,
 ) -> Answer<Json<ReadingView>> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     let asker = state.clone();
     let view = state.ask(move |store| {
         let seen = seen_reading(store, &user, ReadingId(reading))?;
@@ -181,7 +181,7 @@ async fn correct(
     user: User,
     Path(reading): Path<i64>,
 ) -> Answer<Json<ReadingView>> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     let asker = state.clone();
     let view = state.ask(move |store| {
         let seen = seen_reading(store, &user, ReadingId(reading))?;

@@ -44,7 +44,7 @@ async fn change(
     OpenStudy(study): OpenStudy,
     Json(wanted): Json<OptionsChange>,
 ) -> Answer<Json<OptionsView>> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     let asker = state.clone();
     let changed = state.ask(move |store| {
         user.need_on_study(store, &study, Role::Editor)?;

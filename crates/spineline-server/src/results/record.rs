@@ -22,7 +22,7 @@ pub async fn record(
     Path(reading): Path<i64>,
     Json(new): Json<NewEvent>,
 ) -> Answer<Response> {
-    let by = user.sign(state.now());
+    let by = user.sign();
     let (asker, reading) = (state.clone(), ReadingId(reading));
     let answer = state.ask(move |store| {
         readings::may_mark(store, &user, reading)?;

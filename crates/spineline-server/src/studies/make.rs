@@ -184,9 +184,9 @@ async fn add(
     used: Vec<String>,
     keep: fn(&mut Store, &NewCase, &Signature) -> Result<AddedCase, StoreError>,
 ) -> Answer<Json<StudyDetail>> {
-    let (asker, now) = (state.clone(), state.now());
+    let asker = state.clone();
     let detail = state.ask(move |store| {
-        let added = keep(store, &case, &user.sign(now))?;
+        let added = keep(store, &case, &user.sign())?;
         asker.films.uploads.forget(used.iter().map(String::as_str));
         asker.changes.send(&added.study, of_study(&user));
         detail(&asker, store, &user, &added.study)

@@ -67,7 +67,7 @@ async fn edit_study(
     Path(study): Path<String>,
     Json(change): Json<StudyChange>,
 ) -> Answer<Json<StudyDetail>> {
-    let (study, by) = (study_name(&study)?, user.sign(state.now()));
+    let (study, by) = (study_name(&study)?, user.sign());
     let asker = state.clone();
     let detail = state.ask(move |store| {
         user.on_study(store, &study)?;
@@ -91,7 +91,7 @@ async fn plan(
     Path(study): Path<String>,
     Json(new): Json<NewPlan>,
 ) -> Answer<Json<StudyDetail>> {
-    let (study, now) = (study_name(&study)?, state.now());
+    let study = study_name(&study)?;
     let asker = state.clone();
     let detail = state.ask(move |store| {
         user.need_on_study(store, &study, Role::Admin)?;
@@ -102,7 +102,7 @@ async fn plan(
         }
         let NewPlan { repeats, washout_days, proposals, replaces, .. } = new;
         let design = PlanDesign { repeats, washout_days, proposals };
-        let (random, by) = (&mut system_random, user.sign(now));
+        let (random, by) = (&mut system_random, user.sign());
         match replaces {
             None => store.reading_plan(&study, &observers, design, random, &by)?,
             Some(plan) => store.change_plan(&study, plan, &observers, design, random, &by)?,
@@ -142,7 +142,7 @@ async fn case_file(
 ) -> Answer<Response> {
     let study = study_name(&study)?;
     let file = format!("{study}.json");
-    let by = user.sign(state.now());
+    let by = user.sign();
     let case = state.ask(move |store| {
         user.on_study(store, &study)?;
         if store.observer(&user.name).visibility(&study)? != Visibility::Open {

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use rusqlite::Connection;
-use spineline_store::{Event, Store, StoreError};
+use spineline_store::{Event, Signature, Store, StoreError};
 
 use crate::session::{
     READING, STEPS, by, clicks, create_after, fingerprint, folder, folder_with_store, name, run,
@@ -42,6 +42,18 @@ fn two_connections_that_alternate_lose_no_change() {
     }
     assert_eq!(fingerprint(&stores[0]), fingerprint(&stores[1]));
     assert!(stores[1].verify(None).expect("verifiable").is_clean());
+}
+
+#[test]
+fn a_change_that_waited_for_another_one_is_later_and_the_clock_did_not_go_back() {
+    let (_folder, mut store) = folder_with_store(5);
+    let waiting = Signature::now(name("A"));
+    std::thread::sleep(Duration::from_millis(20));
+    store.record(READING, &clicks()[0], 0, &Signature::now(name("A"))).expect("an event");
+    store.record(READING, &clicks()[1], 1, &waiting).expect("an event");
+    let log = store.audit_log().expect("a log");
+    assert!(log.iter().all(|entry| entry.action != "clock_went_back"), "{log:?}");
+    assert!(log.is_sorted_by_key(|entry| entry.time_ms), "{log:?}");
 }
 
 #[test]

@@ -7,7 +7,6 @@ pub use args::{AccountArgs, EXAMPLES};
 use std::fmt::Display;
 use std::io::{IsTerminal, Read, stdin};
 use std::path::Path;
-use std::time::SystemTime;
 
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
@@ -31,7 +30,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
         return print(Lines::of_text(&list(&Store::view(path).map_err(fail)?).map_err(fail)?));
     }
     let mut store = Store::open(path).map_err(fail)?;
-    let by = Signature::new(author, SystemTime::now().into());
+    let by = Signature::now(author);
     match &args.command {
         AccountCommand::Add { name: account, role, password_stdin, .. } => {
             let account = Account { name: store_name(account)?, role: *role, enabled: true };

@@ -151,7 +151,7 @@ fn add_study(args: &ServeArgs, store: &mut Store, case: &Path) -> Result<(), Fai
 
 fn signature(store: &Path) -> Result<Signature, Failure> {
     let name = Name::new("serve").map_err(|error| Failure::file(store, &error))?;
-    Ok(Signature::new(name, SystemTime::now().into()))
+    Ok(Signature::now(name))
 }
 
 fn open(args: &ServeArgs) -> Result<Store, Failure> {

@@ -30,7 +30,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::file(path, &error);
     let author = author(args.by.as_deref(), args.command.has_author())?;
-    let by = || Signature::new(author.clone(), SystemTime::now().into());
+    let by = || Signature::now(author.clone());
     match &args.command {
         StudyCommand::Create { .. } => {
             interrupt::begin_writing();

@@ -28,7 +28,7 @@ pub struct Download {
 
 /// Logs the export of a file.
 pub async fn log(state: &AppState, user: &User, study: &Name, form: &'static str) -> Answer<()> {
-    let (study, by) = (study.clone(), user.sign(state.now()));
+    let (study, by) = (study.clone(), user.sign());
     state.store(move |store| store.log_export(&study, form, &by)).await
 }
 
