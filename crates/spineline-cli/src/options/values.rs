@@ -19,18 +19,21 @@ pub fn threads(text: &str) -> Result<usize, String> {
 /// Who makes a change, for the log of a store.
 ///
 /// # Errors
-/// If the name is not allowed, or is given to a command without a change.
-pub fn author(by: Option<&str>, has_author: bool) -> Result<Name, Failure> {
-    if by.is_some() && !has_author {
-        return Err(Failure::usage("--by names who makes a change, and this command makes none"));
+/// If the name is given to a command without a change.
+pub fn author(by: Option<&Name>, has_author: bool) -> Result<Name, Failure> {
+    match by {
+        Some(_) if !has_author => {
+            Err(Failure::usage("--by names who makes a change, and this command makes none"))
+        }
+        Some(name) => Ok(name.clone()),
+        None => store_name("cli").map_err(Failure::usage),
     }
-    store_name(by.unwrap_or("cli"))
 }
 
-/// An identifier of a study or of a person in a store.
+/// An identifier of a study or of a person in a store; a list may have blanks around its commas.
 ///
 /// # Errors
 /// If the text is not allowed as one.
-pub fn store_name(text: &str) -> Result<Name, Failure> {
-    Name::new(text).map_err(|error| Failure::usage(format!("{error}; {}", error.help())))
+pub fn store_name(text: &str) -> Result<Name, String> {
+    Name::new(text.trim()).map_err(|error| format!("{error}; {}", error.help()))
 }

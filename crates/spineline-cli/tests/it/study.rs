@@ -132,7 +132,7 @@ fn an_observer_sees_only_a_code() {
     }
     here.write("p/blind.json", case.to_string());
     here.done(&["study", "add", "s.db", "p/blind.json"]);
-    let plan = ["study", "plan", "s.db", "blind", "--observers", "A,B", "--repeats", "2"];
+    let plan = ["study", "plan", "s.db", "blind", "--observers", "A, B", "--repeats", "2"];
     let out = here.done(&plan);
     assert!(out.contains("Planned 20 readings"), "{out}");
     let (out, _, _) = here.run(&["study", "next", "s.db", "blind", "--observer", "A"]);
@@ -227,6 +227,16 @@ fn a_backup_that_cannot_be_restored_is_named_and_the_store_is_not() {
         assert!(!error.contains("s.db"), "{error}");
     }
     here.done(&["study", "verify", "s.db"]);
+}
+
+#[test]
+fn a_name_that_is_not_allowed_is_refused_with_its_option_and_value() {
+    let here = folder();
+    let plan = ["study", "plan", "s.db", "P07", "--observers", "A,Dr. B"];
+    let error = here.refused(&plan, 2);
+    assert!(error.contains("'Dr. B' for '--observers") && error.contains("S-017"), "{error}");
+    let error = here.refused(&["study", "archive", "s.db", "P07", "--by", ""], 2);
+    assert!(error.contains("'' for '--by"), "{error}");
 }
 
 #[test]

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
-use spineline_store::Role;
+use spineline_store::{Name, Role};
+
+use crate::options::values::store_name;
 
 /// Shown below the options.
 pub const EXAMPLES: &str = "\
@@ -25,8 +27,8 @@ pub struct AccountArgs {
     #[command(subcommand)]
     pub command: AccountCommand,
     /// Your name for the log, in commands that change the store [default: cli]
-    #[arg(long, global = true, value_name = "NAME")]
-    pub by: Option<String>,
+    #[arg(long, global = true, value_name = "NAME", value_parser = store_name)]
+    pub by: Option<Name>,
 }
 
 #[derive(Subcommand)]
@@ -34,7 +36,8 @@ pub enum AccountCommand {
     /// Add an account
     Add {
         /// Name of the account and of the observer
-        name: String,
+        #[arg(value_parser = store_name)]
+        name: Name,
         /// File of the store
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
@@ -48,7 +51,8 @@ pub enum AccountCommand {
     /// Edit an account; a new password and --disable end all its sessions
     Edit {
         /// Name of the account
-        name: String,
+        #[arg(value_parser = store_name)]
+        name: Name,
         /// File of the store
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
@@ -77,9 +81,11 @@ pub enum AccountCommand {
     /// Grant an account a role in a study
     Grant {
         /// Name of the account
-        name: String,
+        #[arg(value_parser = store_name)]
+        name: Name,
         /// Identifier of the study
-        study: String,
+        #[arg(value_parser = store_name)]
+        study: Name,
         /// File of the store
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
@@ -90,9 +96,11 @@ pub enum AccountCommand {
     /// Revoke an account's role in a study
     Revoke {
         /// Name of the account
-        name: String,
+        #[arg(value_parser = store_name)]
+        name: Name,
         /// Identifier of the study
-        study: String,
+        #[arg(value_parser = store_name)]
+        study: Name,
         /// File of the store
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,

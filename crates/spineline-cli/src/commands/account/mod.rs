@@ -14,7 +14,7 @@ use spineline_store::{Account, AccountChange, Name, PasswordHash, Signature, Sto
 
 use args::AccountCommand;
 
-use crate::options::values::{author, store_name};
+use crate::options::values::author;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{print, width};
 
@@ -25,7 +25,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::file(path, &error);
     let is_list = matches!(args.command, AccountCommand::List { .. });
-    let author = author(args.by.as_deref(), !is_list)?;
+    let author = author(args.by.as_ref(), !is_list)?;
     if is_list {
         return print(Lines::of_text(&list(&Store::view(path).map_err(fail)?).map_err(fail)?));
     }
@@ -33,26 +33,25 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
     let by = Signature::now(author);
     match &args.command {
         AccountCommand::Add { name: account, role, password_stdin, .. } => {
-            let account = Account { name: store_name(account)?, role: *role, enabled: true };
+            let account = Account { name: account.clone(), role: *role, enabled: true };
             let password = password(path, &account.name, *password_stdin)?;
             store.add_account(&account, &password, &by).map_err(fail)?;
             print(format!("Account {} was added as {}.", account.name, role.key()))
         }
         AccountCommand::Edit { name: account, .. } => {
-            let account = store_name(account)?;
             // An unknown account must fail before the password is entered.
-            store.account(&account).map_err(fail)?;
-            let change = change(&args.command, &account)?;
-            let account = store.edit_account(&account, &change, &by).map_err(fail)?;
+            store.account(account).map_err(fail)?;
+            let change = change(&args.command, account)?;
+            let account = store.edit_account(account, &change, &by).map_err(fail)?;
             let state = if account.enabled { "may sign in" } else { "may not sign in" };
             print(format!("Account {} is {} and {state}.", account.name, account.role.key()))
         }
         AccountCommand::Grant { name: account, study, role, .. } => {
-            store.grant(&store_name(study)?, &store_name(account)?, *role, &by).map_err(fail)?;
+            store.grant(study, account, *role, &by).map_err(fail)?;
             print(format!("Account {account} is {} of study {study}.", role.key()))
         }
         AccountCommand::Revoke { name: account, study, .. } => {
-            store.revoke(&store_name(study)?, &store_name(account)?, &by).map_err(fail)?;
+            store.revoke(study, account, &by).map_err(fail)?;
             print(format!("Account {account} does not see study {study}."))
         }
         AccountCommand::List { .. } => Ok(Ending::Done),

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use spineline_store::Head;
+use spineline_store::{Head, Name};
 
+use crate::options::values::store_name;
 use crate::run::outputs::OverwriteArgs;
 
 /// Shown below the options.
@@ -30,8 +31,8 @@ pub struct StudyArgs {
     #[command(subcommand)]
     pub command: StudyCommand,
     /// Your code for the log, in commands that change the store; not a patient's name [default: cli]
-    #[arg(long, global = true, value_name = "NAME")]
-    pub by: Option<String>,
+    #[arg(long, global = true, value_name = "NAME", value_parser = store_name)]
+    pub by: Option<Name>,
 }
 
 #[derive(Subcommand)]
@@ -57,19 +58,19 @@ pub enum StudyCommand {
         /// File of the store
         store: PathBuf,
         /// Identifier of the study whose readings are listed
-        #[arg(value_name = "CASE_ID")]
-        study: Option<String>,
+        #[arg(value_name = "CASE_ID", value_parser = store_name)]
+        study: Option<Name>,
     },
     /// Plan blinded readings: every observer reads every film repeatedly, in random order, with a washout period
     Plan {
         /// File of the store
         store: PathBuf,
         /// Identifier of the study, which is the case's
-        #[arg(value_name = "CASE_ID")]
-        study: String,
+        #[arg(value_name = "CASE_ID", value_parser = store_name)]
+        study: Name,
         /// Codes of the observers
-        #[arg(long, required = true, value_delimiter = ',', value_name = "NAME,NAME")]
-        observers: Vec<String>,
+        #[arg(long, required = true, value_delimiter = ',', value_name = "NAME,NAME", value_parser = store_name)]
+        observers: Vec<Name>,
         /// Readings of every film by every observer
         #[arg(long, default_value_t = 3)]
         repeats: u32,
@@ -85,19 +86,19 @@ pub enum StudyCommand {
         /// File of the store
         store: PathBuf,
         /// Identifier of the study
-        #[arg(value_name = "CASE_ID")]
-        study: String,
+        #[arg(value_name = "CASE_ID", value_parser = store_name)]
+        study: Name,
         /// Code of the observer
-        #[arg(long, value_name = "NAME")]
-        observer: String,
+        #[arg(long, value_name = "NAME", value_parser = store_name)]
+        observer: Name,
     },
     /// End the washout of readings that a wrong clock dated into the future; the log says who did it
     Release {
         /// File of the store
         store: PathBuf,
         /// Identifier of the study
-        #[arg(value_name = "CASE_ID")]
-        study: String,
+        #[arg(value_name = "CASE_ID", value_parser = store_name)]
+        study: Name,
     },
     /// Withdraw a reading: the store keeps it, and results leave it out
     Withdraw {
@@ -123,8 +124,8 @@ pub enum StudyCommand {
         /// File of the store
         store: PathBuf,
         /// Identifier of the study
-        #[arg(value_name = "CASE_ID")]
-        study: String,
+        #[arg(value_name = "CASE_ID", value_parser = store_name)]
+        study: Name,
         /// The label, without the patient's name; "" removes it
         label: String,
     },
@@ -133,8 +134,8 @@ pub enum StudyCommand {
         /// File of the store
         store: PathBuf,
         /// Identifier of the study
-        #[arg(value_name = "CASE_ID")]
-        study: String,
+        #[arg(value_name = "CASE_ID", value_parser = store_name)]
+        study: Name,
         /// Take an archived study back
         #[arg(long)]
         undo: bool,
@@ -144,8 +145,8 @@ pub enum StudyCommand {
         /// File of the store
         store: PathBuf,
         /// Identifier of the study
-        #[arg(value_name = "CASE_ID")]
-        study: String,
+        #[arg(value_name = "CASE_ID", value_parser = store_name)]
+        study: Name,
         /// File to write (`-`: standard output)
         #[arg(long, value_name = "FILE", default_value = "-")]
         out: PathBuf,

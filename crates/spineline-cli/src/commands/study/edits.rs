@@ -8,13 +8,11 @@ use spineline_store::{
     Name, ReadingId, ReadingRecord, Signature, Store, StoreError, StudyEdit, WithdrawalCause,
 };
 
-use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{entry_width, print};
 
-pub fn list_readings(path: &Path, study: &str) -> Result<Ending, Failure> {
-    let name = store_name(study)?;
-    let table = Store::view(path).and_then(|store| table(&store, &name));
+pub fn list_readings(path: &Path, study: &Name) -> Result<Ending, Failure> {
+    let table = Store::view(path).and_then(|store| table(&store, study));
     let table = table.map_err(|error| Failure::file(path, &error))?;
     print(Lines::of_text(&terminal::table(&table, entry_width())))
 }
@@ -47,11 +45,15 @@ pub fn correct(path: &Path, reading: i64, by: &Signature) -> Result<Ending, Fail
     ))
 }
 
-pub fn edit(path: &Path, study: &str, edit: &StudyEdit, by: &Signature) -> Result<Ending, Failure> {
-    let study = store_name(study)?;
+pub fn edit(
+    path: &Path,
+    study: &Name,
+    edit: &StudyEdit,
+    by: &Signature,
+) -> Result<Ending, Failure> {
     let edited = Store::open(path).and_then(|mut store| {
-        let revision = store.study(&study)?.revision;
-        store.edit_study(&study, edit, revision, by)
+        let revision = store.study(study)?.revision;
+        store.edit_study(study, edit, revision, by)
     });
     edited.map_err(|error| Failure::file(path, &error))?;
     let done = match edit {

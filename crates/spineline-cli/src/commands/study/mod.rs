@@ -20,7 +20,7 @@ use spineline_store::{
 use args::StudyCommand;
 
 use crate::analysis::study::add_case;
-use crate::options::values::{author, store_name};
+use crate::options::values::author;
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
 use crate::run::messages::say;
@@ -29,7 +29,7 @@ use crate::run::outputs::{Outputs, entry_width, print, width};
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::file(path, &error);
-    let author = author(args.by.as_deref(), args.command.has_author())?;
+    let author = author(args.by.as_ref(), args.command.has_author())?;
     let by = || Signature::now(author.clone());
     match &args.command {
         StudyCommand::Create { .. } => {
@@ -82,16 +82,14 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
 
 fn plan(
     path: &Path,
-    study: &str,
-    observers: &[String],
+    study: &Name,
+    observers: &[Name],
     design: PlanDesign,
     by: &Signature,
 ) -> Result<Ending, Failure> {
     let fail = |error: StoreError| Failure::file(path, &error);
     let mut store = Store::open(path).map_err(fail)?;
-    let observers = observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
-    let study = store_name(study)?;
-    let readings = store.reading_plan(&study, &observers, design, &mut system_random, by);
+    let readings = store.reading_plan(study, observers, design, &mut system_random, by);
     let readings = readings.map_err(fail)?;
     print(format!(
         "Planned {}: every observer reads every film {}, {} apart, each time in a random order{}.",
@@ -102,23 +100,21 @@ fn plan(
     ))
 }
 
-fn next(path: &Path, study: &str, observer: &str) -> Result<Ending, Failure> {
+fn next(path: &Path, study: &Name, observer: &Name) -> Result<Ending, Failure> {
     let fail = |error: StoreError| Failure::file(path, &error);
     let store = view(path)?;
-    let (study, observer) = (store_name(study)?, store_name(observer)?);
     let next =
-        store.observer(&observer).next_film_for(&study, SystemTime::now().into()).map_err(fail)?;
-    let planned = store.planned_observers(&study).map_err(fail)?;
-    if !planned.contains(&observer) {
-        return Err(unknown_observer(path, &study, &observer, &planned));
+        store.observer(observer).next_film_for(study, SystemTime::now().into()).map_err(fail)?;
+    let planned = store.planned_observers(study).map_err(fail)?;
+    if !planned.contains(observer) {
+        return Err(unknown_observer(path, study, observer, &planned));
     }
     print(next_text(&next))
 }
 
-fn release(path: &Path, study: &str, by: &Signature) -> Result<Ending, Failure> {
+fn release(path: &Path, study: &Name, by: &Signature) -> Result<Ending, Failure> {
     let fail = |error: StoreError| Failure::file(path, &error);
-    let study = store_name(study)?;
-    let readings = Store::open(path).and_then(|mut store| store.release_washout(&study, by));
+    let readings = Store::open(path).and_then(|mut store| store.release_washout(study, by));
     let readings = readings.map_err(fail)?;
     print(format!(
         "{study}: the washout of {} with a time ahead of the clock is over.",
@@ -126,9 +122,9 @@ fn release(path: &Path, study: &str, by: &Signature) -> Result<Ending, Failure> 
     ))
 }
 
-fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Ending, Failure> {
+fn export(path: &Path, study: &Name, out: &Path, outputs: Outputs) -> Result<Ending, Failure> {
     outputs.declare(out)?;
-    let exported = view(path)?.export_case(&store_name(study)?);
+    let exported = view(path)?.export_case(study);
     let exported = exported.map_err(|error| Failure::file(path, &error))?;
     for remark in &exported.remarks {
         say(format!("note: {remark}"));
