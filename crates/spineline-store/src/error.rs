@@ -303,7 +303,7 @@ spineline::faults! {
         NothingAhead {
             study: Name,
         },
-        /// A plan without films, observers or repeats, or of too many.
+        /// A plan without films, observers or repeats, or of too many, or with a long washout.
         #[error("a plan needs {needs}")]
         #[help(*remedy)]
         BadPlan {
@@ -378,7 +378,7 @@ fn exists_help(object: &str) -> &'static str {
     if object.starts_with("reading/") {
         "load the film again, and continue that reading"
     } else if object.starts_with("the plan ") {
-        "load the study again: its plan can be changed until the first reading begins"
+        "load the study again: until the first reading begins, *Change the plan…* or `spineline study plan` changes the plan"
     } else {
         NAME_HELP
     }

@@ -18,6 +18,8 @@ pub(crate) const RELEASE: &str = "release";
 
 /// Maximum number of readings in one plan.
 const MAX_SLOTS: usize = 100_000;
+/// Longest washout of a plan, in days.
+const MAX_WASHOUT_DAYS: u32 = 3650;
 
 /// Fills bytes with random numbers of the operating system: the source of codes and of secrets outside of tests.
 ///
@@ -266,7 +268,7 @@ fn insert(
     }
     let observers: BTreeSet<&Name> = observers.iter().collect();
     let films = films::films(transaction, study)?;
-    let slots = check(films.len(), observers.len(), design.repeats)?;
+    let slots = check(films.len(), observers.len(), design)?;
     if !readings::of_study(transaction, study)?.is_empty() {
         return Err(StoreError::BadPlan {
             needs: "a study without readings",
@@ -303,8 +305,14 @@ fn insert(
     Ok(slots)
 }
 
-fn check(films: usize, observers: usize, repeats: u32) -> Result<usize, StoreError> {
-    let rounds = usize::try_from(repeats).unwrap_or(usize::MAX);
+fn check(films: usize, observers: usize, design: PlanDesign) -> Result<usize, StoreError> {
+    if design.washout_days > MAX_WASHOUT_DAYS {
+        return Err(StoreError::BadPlan {
+            needs: "a washout of at most 3650 days",
+            remedy: "give fewer days, such as 14",
+        });
+    }
+    let rounds = usize::try_from(design.repeats).unwrap_or(usize::MAX);
     match films.saturating_mul(observers).saturating_mul(rounds) {
         0 => Err(StoreError::BadPlan {
             needs: "at least one film, one observer and one repeat",

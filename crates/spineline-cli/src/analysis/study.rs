@@ -112,13 +112,16 @@ fn film_warnings(path: &Path, text: &str) -> Result<(Warnings, BTreeSet<String>)
     Ok((check_films(path, &file, &case)?, observers))
 }
 
-/// Remarks on observers of the case whose names differ only by capitals and marks, from each other or from account names.
-fn alike_observers(store: &Store, observers: &BTreeSet<String>) -> Result<Vec<String>, StoreError> {
+/// Remarks on observers whose names differ only by capitals and marks, from each other or from account names.
+pub fn alike_observers(
+    store: &Store,
+    observers: &BTreeSet<String>,
+) -> Result<Vec<String>, StoreError> {
     let accounts = store.accounts()?;
     let accounts = accounts.iter().map(|account| account.name.as_str());
     let alike = alike_names(observers.iter().map(String::as_str).chain(accounts));
-    let of_case = |names: &&Vec<&str>| names.iter().any(|name| observers.contains(*name));
-    Ok(alike.iter().filter(of_case).map(|names| alike_words(names)).collect())
+    let of_these = |names: &&Vec<&str>| names.iter().any(|name| observers.contains(*name));
+    Ok(alike.iter().filter(of_these).map(|names| alike_words(names)).collect())
 }
 
 fn refusal(path: &Path, error: CaseError<Failure>) -> Failure {

@@ -132,9 +132,11 @@ fn an_observer_sees_only_a_code() {
     }
     here.write("p/blind.json", case.to_string());
     here.done(&["study", "add", "s.db", "p/blind.json"]);
+    let alike = here.done(&["study", "plan", "s.db", "blind", "--observers", "A,a"]);
+    assert!(alike.contains("`A` and `a` count as 2 observers"), "{alike}");
     let plan = ["study", "plan", "s.db", "blind", "--observers", "A, B", "--repeats", "2"];
     let out = here.done(&plan);
-    assert!(out.contains("Planned 20 readings"), "{out}");
+    assert!(out.contains("Planned 20 readings") && out.contains("the earlier plan"), "{out}");
     let (out, _, _) = here.run(&["study", "next", "s.db", "blind", "--observer", "A"]);
     assert!(out.starts_with("Next: film "), "{out}");
     for word in ["erect", "bending", "neutral", "traction", "repeat"] {

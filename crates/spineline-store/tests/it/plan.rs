@@ -393,6 +393,10 @@ fn an_empty_plan_or_a_plan_after_readings_is_refused() {
         let refused = store.reading_plan(&study, observers, design, &mut random(7), &lead);
         refused!(refused, BadPlan { .. });
     }
+    let long = PlanDesign { washout_days: 3651, ..DESIGN };
+    let refused = store.reading_plan(&study, &[name("A")], long, &mut random(7), &lead);
+    let words = refused.expect_err("more than the limit").to_string();
+    assert!(words.contains("at most 3650 days"), "{words}");
     store.begin_reading(film, 1, &by("A", 2)).expect("a reading");
     // A reading was begun.
     let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);

@@ -62,6 +62,8 @@ pub enum StudyCommand {
         study: Option<Name>,
     },
     /// Plan blinded readings: every observer reads every film repeatedly, in random order, with a washout period
+    ///
+    /// A plan whose first reading has not begun is replaced.
     Plan {
         /// File of the store
         store: PathBuf,

@@ -19,7 +19,7 @@ use spineline_store::{
 
 use args::StudyCommand;
 
-use crate::analysis::study::add_case;
+use crate::analysis::study::{add_case, alike_observers};
 use crate::options::values::author;
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
@@ -89,15 +89,27 @@ fn plan(
 ) -> Result<Ending, Failure> {
     let fail = |error: StoreError| Failure::file(path, &error);
     let mut store = Store::open(path).map_err(fail)?;
-    let readings = store.reading_plan(study, observers, design, &mut system_random, by);
+    let earlier = store.open_plan(study).map_err(fail)?;
+    let readings = match &earlier {
+        Some(plan) => store.change_plan(study, plan.id, observers, design, &mut system_random, by),
+        None => store.reading_plan(study, observers, design, &mut system_random, by),
+    };
     let readings = readings.map_err(fail)?;
-    print(format!(
+    let mut text = Lines::of(format!(
         "Planned {}: every observer reads every film {}, {} apart, each time in a random order{}.",
         counted(readings, "reading"),
         counted(design.repeats, "time"),
         counted(design.washout_days, "day"),
         if design.proposals { ", with proposed vertebrae" } else { "" }
-    ))
+    ));
+    if earlier.is_some() {
+        text.line("This plan replaces the earlier plan, whose codes are invalid now.");
+    }
+    let names = observers.iter().map(Name::to_string).collect();
+    for remark in alike_observers(&store, &names).map_err(fail)? {
+        text.line(format!("  ! {remark}"));
+    }
+    print(text)
 }
 
 fn next(path: &Path, study: &Name, observer: &Name) -> Result<Ending, Failure> {
