@@ -279,6 +279,12 @@ spineline::faults! {
         Archived {
             study: Name,
         },
+        /// The restoring of a study that is not archived.
+        #[error("study {study} is not archived")]
+        #[help("check the identifier: `spineline study list` marks archived studies")]
+        NotArchived {
+            study: Name,
+        },
         /// A change of a withdrawn reading.
         #[error("{reading} is withdrawn")]
         #[help("begin a new reading of the film")]

@@ -42,8 +42,9 @@ impl Store {
     /// Changes a study's record, if it has the expected revision.
     ///
     /// # Errors
-    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_study`]; [`StoreError::Archived`] for the label of
-    /// an archived study; [`StoreError::TooLarge`] for a long label; [`StoreError::BadLabel`]; [`StoreError::Unknown`].
+    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_study`]; [`StoreError::Archived`] for an archived
+    /// study, unless the edit restores it; [`StoreError::NotArchived`] where it restores another one; [`StoreError::TooLarge`] for a
+    /// long label; [`StoreError::BadLabel`]; [`StoreError::Unknown`].
     pub fn edit_study(
         &mut self,
         study: &Name,
@@ -59,11 +60,15 @@ impl Store {
                     .map(Err);
             }
             match edit {
+                StudyEdit::Archived { archived: false } if now.archived => now.archived = false,
+                StudyEdit::Archived { archived: false } => {
+                    return Err(StoreError::NotArchived { study: now.id });
+                }
+                _ if now.archived => return Err(StoreError::Archived { study: now.id }),
+                StudyEdit::Archived { archived: true } => now.archived = true,
                 StudyEdit::Label { label } => {
-                    films::open_study(ledger.transaction, study)?;
                     now.label = films::checked_label(label.as_deref())?.map(str::to_owned);
                 }
-                StudyEdit::Archived { archived } => now.archived = *archived,
             }
             ledger.transaction.execute(
                 "UPDATE studies SET label = ?1, archived = ?2, revision = revision + 1 WHERE id = ?3",

@@ -84,8 +84,13 @@ fn readings_are_withdrawn_and_corrected_and_a_study_is_renamed_and_archived() {
     assert!(here.done(&["study", "list", "s.db"]).contains("(synthetic, archived)"));
     let error = here.refused(&["study", "rename", "s.db", study, ""], 3);
     assert!(error.contains("archived") && error.contains("archive --undo"), "{error}");
+    let again = here.refused(&["study", "archive", "s.db", study], 3);
+    assert!(again.contains("is archived: nothing in it can be changed"), "{again}");
     here.done(&["study", "archive", "s.db", study, "--undo"]);
-    here.done(&["study", "rename", "s.db", study, ""]);
+    let again = here.refused(&["study", "archive", "s.db", study, "--undo"], 3);
+    assert!(again.contains("is not archived"), "{again}");
+    let out = here.done(&["study", "rename", "s.db", study, "  "]);
+    assert!(out.contains("has no label now"), "{out}");
     let label = Store::view(&here.path("s.db")).and_then(|store| {
         let study = Name::new(study)?;
         store.study(&study)
@@ -95,6 +100,7 @@ fn readings_are_withdrawn_and_corrected_and_a_study_is_renamed_and_archived() {
     for action in ["correct", "withdraw", "rename", "archive", "unarchive"] {
         assert!(log.split_whitespace().any(|word| word == action), "{action}: {log}");
     }
+    assert_eq!(log.split_whitespace().filter(|word| word.ends_with("archive")).count(), 2, "{log}");
 }
 
 #[test]
@@ -145,6 +151,9 @@ fn an_observer_sees_only_a_code() {
     let (out, error, code) = here.run(&["study", "next", "s.db", "blind", "--observer", "Typo"]);
     assert_eq!((out.as_str(), code), ("", 3), "{error}");
     assert!(error.contains("unknown observer `Typo`: the plan of blind has A, B"), "{error}");
+    here.done(&["study", "archive", "s.db", "blind"]);
+    let error = here.refused(&["study", "next", "s.db", "blind", "--observer", "A"], 3);
+    assert!(error.contains("study blind is archived"), "{error}");
 }
 
 #[test]

@@ -188,6 +188,7 @@ fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
     refused!(refused, Conflict { .. });
     assert_eq!(store.conflicts_of_study(&study).expect("kept").len(), 1);
     let archived = |archived| StudyEdit::Archived { archived };
+    refused!(store.edit_study(&study, &archived(false), 1, &by("lead", 62)), NotArchived { .. });
     store.edit_study(&study, &archived(true), 1, &by("lead", 63)).expect("archived");
     let found = store.study(&study).expect("a study");
     assert_eq!((found.label.as_deref(), found.archived), (Some("before brace"), true));
@@ -206,6 +207,7 @@ fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
         store.set_study_options(&study, &chosen, 0, &who).map(drop),
         store.add_films(&film, &who).map(drop),
         store.edit_study(&study, &StudyEdit::Label { label: None }, 2, &who).map(drop),
+        store.edit_study(&study, &archived(true), 2, &who).map(drop),
     ];
     for refused in refusals {
         refused!(refused, Archived { .. });

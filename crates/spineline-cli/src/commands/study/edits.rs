@@ -57,7 +57,8 @@ pub fn edit(
     });
     edited.map_err(|error| Failure::file(path, &error))?;
     let done = match edit {
-        StudyEdit::Label { .. } => "has its new label",
+        StudyEdit::Label { label: Some(label) } if !label.trim().is_empty() => "has its new label",
+        StudyEdit::Label { .. } => "has no label now",
         StudyEdit::Archived { archived: true } => "is archived",
         StudyEdit::Archived { archived: false } => "is back from the archive",
     };

@@ -115,6 +115,9 @@ fn plan(
 fn next(path: &Path, study: &Name, observer: &Name) -> Result<Ending, Failure> {
     let fail = |error: StoreError| Failure::file(path, &error);
     let store = view(path)?;
+    if store.study(study).map_err(fail)?.archived {
+        return Err(fail(StoreError::Archived { study: study.clone() }));
+    }
     let next =
         store.observer(observer).next_film_for(study, SystemTime::now().into()).map_err(fail)?;
     let planned = store.planned_observers(study).map_err(fail)?;
