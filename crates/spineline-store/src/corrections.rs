@@ -6,16 +6,17 @@ use crate::connection::Store;
 use crate::error::{StoreError, limit};
 use crate::films;
 use crate::journal;
-use crate::names::{ReadingId, Signature};
+use crate::names::{Name, ReadingId, Signature};
 use crate::plan;
-use crate::readings::{self, ReadingRecord};
+use crate::readings;
 use crate::withdrawals::{self, WithdrawalCause};
 
 /// Maximum length of a reason in characters.
 const MAX_REASON: usize = 500;
 
 impl Store {
-    /// Withdraws a reading, finished or not: it gets no more landmarks, and results and exports do not use it. Callers check who may.
+    /// Withdraws a reading, finished or not: it gets no more landmarks, and results and exports do not use it. Its open correction,
+    /// which would bring it back, is withdrawn too, and is returned. Callers check who may.
     ///
     /// # Errors
     /// [`StoreError::PlanRuns`] until all planned readings are finished; [`StoreError::Withdrawn`], [`StoreError::NoReason`],
@@ -25,18 +26,24 @@ impl Store {
         reading: ReadingId,
         reason: &str,
         by: &Signature,
-    ) -> Result<(), StoreError> {
+    ) -> Result<Option<ReadingId>, StoreError> {
         let reason = reason.trim();
         limit("the reason (in characters)", reason.chars().count(), MAX_REASON)?;
         if reason.is_empty() {
             return Err(StoreError::NoReason { reading });
         }
         self.write(by, |ledger| {
-            let record = not_withdrawn(ledger.transaction, reading)?;
-            let study = films::film(ledger.transaction, record.film)?.study;
-            films::open_study(ledger.transaction, &study)?;
-            plan::need_open(ledger.transaction, &study)?;
-            withdrawals::insert(ledger, reading, &WithdrawalCause::Reason(reason.to_owned()))
+            let transaction = ledger.transaction;
+            let record = readings::not_withdrawn(transaction, reading)?;
+            let study = films::film(transaction, record.film)?.study;
+            films::open_study(transaction, &study)?;
+            plan::need_open(transaction, &study)?;
+            let correction = open_correction(transaction, &study, reading)?;
+            let cause = WithdrawalCause::Reason(reason.to_owned());
+            for withdrawn in std::iter::once(reading).chain(correction) {
+                withdrawals::insert(ledger, withdrawn, &cause)?;
+            }
+            Ok(correction)
         })
     }
 
@@ -54,7 +61,7 @@ impl Store {
     ) -> Result<ReadingId, StoreError> {
         self.write(by, |ledger| {
             let transaction = ledger.transaction;
-            let record = not_withdrawn(transaction, reading)?;
+            let record = readings::not_withdrawn(transaction, reading)?;
             if record.observer != by.who {
                 return Err(StoreError::NotYours { reading });
             }
@@ -66,10 +73,8 @@ impl Store {
             if films::is_planned(transaction, &study)? {
                 return Err(StoreError::PlanGoverns { study });
             }
-            let all = readings::of_study(transaction, &study)?;
-            let is_open = |one: &&ReadingRecord| one.corrects == Some(reading) && one.is_open();
-            if let Some(open) = all.iter().find(is_open) {
-                return Err(StoreError::Exists { object: open.id.to_string() });
+            if let Some(open) = open_correction(transaction, &study, reading)? {
+                return Err(StoreError::Exists { object: open.to_string() });
             }
             let correction = readings::insert(ledger, record.film, record.repeat, Some(reading))?;
             let events = journal::events(transaction, reading)?;
@@ -81,7 +86,13 @@ impl Store {
     }
 }
 
-fn not_withdrawn(connection: &Connection, reading: ReadingId) -> Result<ReadingRecord, StoreError> {
-    let record = readings::reading(connection, reading)?;
-    if record.withdrawn.is_some() { Err(StoreError::Withdrawn { reading }) } else { Ok(record) }
+/// The correction of a reading that is neither finished nor withdrawn.
+fn open_correction(
+    connection: &Connection,
+    study: &Name,
+    reading: ReadingId,
+) -> Result<Option<ReadingId>, StoreError> {
+    let all = readings::of_study(connection, study)?;
+    let open = all.iter().find(|one| one.corrects == Some(reading) && one.is_open());
+    Ok(open.map(|one| one.id))
 }

@@ -154,9 +154,8 @@ pub(crate) fn finish(
         params![ledger.by.at.unix_ms(), reading.0],
     )?;
     let sequence = ledger.seal("finish", "readings", &reading.0)?;
-    if let Some(corrected) = self::reading(ledger.transaction, reading)?.corrects
-        && self::reading(ledger.transaction, corrected)?.withdrawn.is_none()
-    {
+    if let Some(corrected) = self::reading(ledger.transaction, reading)?.corrects {
+        not_withdrawn(ledger.transaction, corrected)?;
         withdrawals::insert(ledger, corrected, &WithdrawalCause::CorrectedBy(reading))?;
     }
     Ok(sequence)
@@ -168,6 +167,14 @@ pub(crate) fn reading(
 ) -> Result<ReadingRecord, StoreError> {
     let mut found = records(connection, "id = ?1", &reading.0)?;
     found.pop().ok_or_else(|| StoreError::Unknown { object: reading.to_string() })
+}
+
+pub(crate) fn not_withdrawn(
+    connection: &Connection,
+    reading: ReadingId,
+) -> Result<ReadingRecord, StoreError> {
+    let record = self::reading(connection, reading)?;
+    if record.withdrawn.is_some() { Err(StoreError::Withdrawn { reading }) } else { Ok(record) }
 }
 
 pub(crate) fn of_study(

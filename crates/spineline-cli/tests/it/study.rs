@@ -78,6 +78,9 @@ fn readings_are_withdrawn_and_corrected_and_a_study_is_renamed_and_archived() {
     assert!(state("2").ends_with("withdrawn"), "{}", listed());
     let (_, notes, _) = here.run(&["study", "export", "s.db", study]);
     assert!(notes.contains("withdrawn by lead") && notes.contains("T6 lies on T7"), "{notes}");
+    let out = here.done(&["study", "withdraw", "s.db", "1", "--reason", "another patient"]);
+    assert!(out.contains("Reading 6, its open correction, is withdrawn too"), "{out}");
+    assert!(state("6").ends_with("withdrawn, corrects 1"), "{}", listed());
 
     here.done(&["study", "rename", "s.db", study, "before brace"]);
     here.done(&["study", "archive", "s.db", study]);

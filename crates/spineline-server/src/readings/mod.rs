@@ -166,7 +166,9 @@ async fn withdraw(
         let is_own = seen.record.observer == user.name;
         let least = if is_own { Role::Editor } else { Role::Admin };
         user.need_on_study(store, &seen.study.id, least)?;
-        store.withdraw_reading(seen.record.id, &new.reason, &by)?;
+        if let Some(correction) = store.withdraw_reading(seen.record.id, &new.reason, &by)? {
+            announced(&asker, store, &user, correction)?;
+        }
         announced(&asker, store, &user, seen.record.id)
     });
     view.await.map(Json)

@@ -146,6 +146,17 @@ fn an_abandoned_correction_leaves_the_reading_as_it_is() {
 }
 
 #[test]
+fn a_withdrawn_reading_does_not_come_back_by_its_open_correction() {
+    let (_folder, mut store) = finished();
+    let correction = store.correct_reading(READING, &by("A", 70)).expect("a copy");
+    let withdrawn = store.withdraw_reading(READING, "another patient", &by("lead", 71));
+    assert_eq!(withdrawn.expect("withdrawn"), Some(correction));
+    refused!(store.finish_reading(correction, CLICKED, &by("A", 72)), Withdrawn { .. });
+    assert_eq!(exported(&store), []);
+    assert!(store.verify(None).expect("verifiable").is_clean());
+}
+
+#[test]
 fn a_planned_study_keeps_its_readings_until_the_end_and_takes_no_correction() {
     let (_folder, mut store) = folder_with_new_store();
     let (study, lead) = (name("B-1"), by("lead", 0));
@@ -202,7 +213,7 @@ fn a_study_is_renamed_and_archived_and_an_archived_one_is_read_only() {
         store.finish_reading(open, 0, &who).map(drop),
         store.begin_reading(FILM, 2, &who).map(drop),
         store.correct_reading(READING, &who).map(drop),
-        store.withdraw_reading(READING, "wrong", &who),
+        store.withdraw_reading(READING, "wrong", &who).map(drop),
         store.edit_film(FILM, FilmEdit::Inverted(false), 1, &who).map(drop),
         store.set_study_options(&study, &chosen, 0, &who).map(drop),
         store.add_films(&film, &who).map(drop),

@@ -24,9 +24,13 @@ pub fn withdraw(
     by: &Signature,
 ) -> Result<Ending, Failure> {
     let store = Store::open(path);
-    let done = store.and_then(|mut s| s.withdraw_reading(ReadingId(reading), reason, by));
-    done.map_err(|error| Failure::file(path, &error))?;
-    print(format!("Reading {reading} is withdrawn."))
+    let correction = store.and_then(|mut s| s.withdraw_reading(ReadingId(reading), reason, by));
+    let correction = correction.map_err(|error| Failure::file(path, &error))?;
+    let mut text = Lines::of(format!("Reading {reading} is withdrawn."));
+    if let Some(ReadingId(copy)) = correction {
+        text.line(format!("Reading {copy}, its open correction, is withdrawn too."));
+    }
+    print(text)
 }
 
 pub fn correct(path: &Path, reading: i64, by: &Signature) -> Result<Ending, Failure> {
