@@ -385,6 +385,8 @@ fn exists_help(object: &str) -> &'static str {
         "load the film again, and continue that reading"
     } else if object.starts_with("the plan ") {
         "load the study again: until the first reading begins, *Change the plan…* or `spineline study plan` changes the plan"
+    } else if object.starts_with("study/") {
+        "choose a name that differs in more than upper and lower case"
     } else {
         NAME_HELP
     }

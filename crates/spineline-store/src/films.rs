@@ -84,7 +84,8 @@ impl Store {
     /// Adds a new study.
     ///
     /// # Errors
-    /// [`StoreError::Exists`]; [`StoreError::TooLarge`] or [`StoreError::BadLabel`] for its label.
+    /// [`StoreError::Exists`], also where an identifier differs in upper and lower case alone; [`StoreError::TooLarge`] or
+    /// [`StoreError::BadLabel`] for its label.
     pub fn add_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
         self.write(by, |ledger| insert_study(ledger, study))
     }
@@ -165,8 +166,11 @@ pub(crate) struct NewFilm<'a> {
 pub(crate) fn insert_study(ledger: &Ledger<'_>, study: &Study) -> Result<(), StoreError> {
     let label = checked_label(study.label.as_deref())?;
     let id = study.id.as_str();
-    if !study_rows(ledger.transaction, Some(&study.id))?.is_empty() {
-        return Err(StoreError::Exists { object: format!("study/{id}") });
+    // Names of results contain the identifier, and some file systems ignore case.
+    let alike = "SELECT id FROM studies WHERE id = ?1 COLLATE NOCASE";
+    let known = ledger.transaction.query_row(alike, [id], |row| row.get::<_, String>(0));
+    if let Some(known) = known.optional()? {
+        return Err(StoreError::Exists { object: format!("study/{known}") });
     }
     ledger.transaction.execute(
         "INSERT INTO studies VALUES (?1, ?2, ?3, 0, 0)",

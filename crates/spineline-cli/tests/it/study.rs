@@ -160,6 +160,17 @@ fn an_observer_sees_only_a_code() {
 }
 
 #[test]
+fn a_case_whose_identifier_differs_in_capitals_alone_is_refused() {
+    let here = store();
+    let mut case = here.json("p/phantom-rod-01.json");
+    case["case_id"] = "PHANTOM-rod-01".into();
+    here.write("p/capitals.json", case.to_string());
+    let error = here.refused(&["study", "add", "s.db", "p/capitals.json"], 3);
+    assert!(error.contains("study/phantom-rod-01 exists already"), "{error}");
+    assert!(error.contains("differs in more than upper and lower case"), "{error}");
+}
+
+#[test]
 fn a_file_that_is_not_a_store_is_not_changed() {
     let here = folder();
     here.write("notes.txt", "notes");
