@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use spineline::action::LineKind;
 use spineline::analysis::Analysis;
-use spineline::warning::counted;
+use spineline::warning::{WarningCode, counted};
 
 use crate::document::{Notice, NoticeKind, Table};
 
@@ -54,7 +54,10 @@ impl WarningCounts {
     /// each code. `all` says how a user gets every warning.
     #[must_use]
     pub fn lines(&self, all: &str) -> Vec<Notice> {
-        let mut lines: Vec<Notice> = self.codes.values().map(|count| self.line(count)).collect();
+        // The run itself says which replicates were interrupted.
+        let said = WarningCode::ReplicatesInterrupted.key();
+        let codes = self.codes.iter().filter(|((_, code), _)| *code != said);
+        let mut lines: Vec<Notice> = codes.map(|(_, count)| self.line(count)).collect();
         let more = lines.len().saturating_sub(MOST_LINES);
         let has_others = self.codes.values().any(|count| count.others > 0 || self.patients > 1);
         lines.truncate(MOST_LINES);

@@ -3,12 +3,14 @@
 use spineline::analysis::{Analysis, Case};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
+use spineline::warning::WarningCode;
 use spineline_files::{AnalysisFile, Request};
 use spineline_report::document::Notice;
 use spineline_report::patient::Patient as ReportedPatient;
+use spineline_report::warnings;
 use spineline_tables::Patient;
 
-use super::replicates::{interruption, run_replicates};
+use super::replicates::{interruption_text, run_replicates};
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
@@ -22,34 +24,33 @@ pub struct Confidence {
 }
 
 impl Confidence {
-    /// Computes what the request asks for, on this number of threads.
+    /// Computes what the request asks for, on this number of threads; an interruption of the replicates is a warning of the analysis.
     ///
     /// # Errors
     /// If the noise cannot be applied to this case, or threads cannot be started.
     pub fn compute(
         case: &Case,
-        analysis: &Analysis,
+        analysis: &mut Analysis,
         request: &Request,
         threads: usize,
     ) -> Result<Self, Failure> {
         let identifiability = request.identifiability.then(|| identify(analysis, threads));
         let uncertainty =
             request.replicates.map(|asked| run_replicates(case, analysis, &asked, threads));
-        Ok(Self {
+        let confidence = Self {
             identifiability: identifiability.transpose()?,
             uncertainty: uncertainty.transpose()?,
-        })
+        };
+        if let Some(found) = confidence.uncertainty.as_ref().filter(|_| confidence.is_cut_short()) {
+            let text = interruption_text(found.done, found.requested);
+            analysis.warnings.push(WarningCode::ReplicatesInterrupted, text);
+        }
+        Ok(confidence)
     }
 
     /// Whether Ctrl-C has ended the replicates early.
     pub fn is_cut_short(&self) -> bool {
         self.uncertainty.as_ref().is_some_and(|found| found.done < found.requested)
-    }
-
-    /// How many replicates count, where they were ended early.
-    pub fn interruption(&self, analysis: &Analysis) -> Option<Notice> {
-        let found = self.uncertainty.as_ref().filter(|_| self.is_cut_short())?;
-        Some(interruption(&analysis.case_id, found.done, found.requested))
     }
 
     /// Whether any replicate was finished.
@@ -89,6 +90,12 @@ impl Confidence {
         let file = file.with_identifiability(analysis, self.identifiability.as_deref());
         file.with_uncertainty(analysis, self.uncertainty.as_ref())
     }
+}
+
+/// The warning that the replicates were interrupted.
+pub fn interruption(analysis: &Analysis) -> Option<Notice> {
+    let code = WarningCode::ReplicatesInterrupted.key();
+    warnings(analysis).into_iter().find(|notice| notice.code == code)
 }
 
 /// Profile likelihoods of the multipliers of every model.

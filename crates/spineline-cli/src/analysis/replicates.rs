@@ -5,7 +5,6 @@ use spineline::response::LoadedMeasure;
 use spineline::uncertainty::{AppliedLoads, LoadedUncertainty, MonteCarlo, Uncertainty};
 use spineline::warning::counted;
 use spineline_files::Replicates;
-use spineline_report::document::{Notice, NoticeKind};
 
 use crate::run::failure::Failure;
 use crate::run::threads::stream_all;
@@ -39,17 +38,9 @@ pub fn run_loaded_replicates(
     Ok(tally.finish(count))
 }
 
-/// How many replicates count, where Ctrl-C has ended them early.
-pub fn interruption(case_id: &str, done: u64, asked: u64) -> Notice {
-    Notice {
-        kind: NoticeKind::Warning,
-        place: case_id.to_owned(),
-        text: format!(
-            "interrupted: {done} of {} finished, which count",
-            counted(asked, "replicate")
-        ),
-        code: "interrupted".to_owned(),
-    }
+/// How many replicates count after Ctrl-C has ended them early.
+pub fn interruption_text(done: u64, asked: u64) -> String {
+    format!("interrupted: {done} of {} finished, which count", counted(asked, "replicate"))
 }
 
 /// Prepares the requested replicates.

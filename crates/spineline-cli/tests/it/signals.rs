@@ -132,6 +132,10 @@ fn an_analysis_says_how_many_replicates_count() {
         let file = here.json("a.json");
         assert_eq!(file["uncertainty"]["done"], counted);
         assert_eq!(file["uncertainty"]["replicates"], 1_000_000);
+        let text = format!("interrupted: {counted} of 1000000 replicates finished, which count");
+        let warnings = file["warnings"].as_array().expect("a list");
+        let is_it = |one: &&Value| one["code"] == "replicates_interrupted";
+        assert_eq!(warnings.iter().find(is_it).expect("a warning")["message"], text);
         let (_, error, code) = here.run(&["rerun", "a.json"]);
         assert!(code == 3 && error.contains(&format!("after {counted} of 1000000")), "{error}");
     }

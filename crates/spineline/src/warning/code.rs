@@ -243,5 +243,7 @@ warning_codes! {
         ForcesLost = "forces_lost": Warning;
         /// The analysis found no force for the film of a load, and a simulation uses the load whose shape came nearest.
         LoadNotFound = "load_not_found": Warning;
+        /// The replicates were interrupted, and the finished ones count.
+        ReplicatesInterrupted = "replicates_interrupted": Warning;
     }
 }

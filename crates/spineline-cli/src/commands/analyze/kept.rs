@@ -40,9 +40,9 @@ impl Asked<'_> {
 
     pub(super) fn analyze(self, path: &Path) -> Result<Analysed, Refusal> {
         let request = &self.record.request;
-        let (input, analysis) = analyze_member(path, self.record)?;
+        let (input, mut analysis) = analyze_member(path, self.record)?;
         let threads = if self.is_long() { self.args.threads } else { 1 };
-        let confidence = Confidence::compute(&input.case, &analysis, request, threads)
+        let confidence = Confidence::compute(&input.case, &mut analysis, request, threads)
             .map_err(|failure| Refusal::new(path, Some(&input), RefusalStep::Analysis, failure))?;
         let of_cohort = || (CohortPatient::of(&analysis), PatientRow::of(&analysis));
         let (patient, row) = self.is_cohort().then(of_cohort).unzip();

@@ -13,6 +13,7 @@ use super::model::choose;
 use super::output::{Output, Step};
 use crate::analysis::case::Refusal;
 use crate::analysis::cohort;
+use crate::analysis::confidence::interruption;
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
 use crate::run::messages::say;
@@ -96,10 +97,11 @@ impl<'a> Kept<'a> {
         if self.has_results() {
             if args.warnings {
                 print_notices(&warnings(analysis));
+            } else {
+                print_notices(interruption(analysis).as_slice());
             }
             self.warnings.add(analysis);
             print_notices(self.asked.record.amplitude_note(analysis).as_slice());
-            print_notices(confidence.interruption(analysis).as_slice());
         }
         self.patients.extend(one.patient.take());
         self.rows.extend(one.row.take());

@@ -10,7 +10,7 @@ use spineline_report::{file_stem, sentence_case};
 use super::args::ReportArgs;
 use super::{films, write};
 use crate::analysis::case::analyze_input;
-use crate::analysis::confidence::Confidence;
+use crate::analysis::confidence::{Confidence, interruption};
 use crate::analysis::record::{ReadCases, RunRecord};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
@@ -28,12 +28,12 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
     let out = write::target(&stem, args, &outputs)?;
     print_notices(&read.warnings());
     let CaseInput { file, case, .. } = &source;
-    let analysis = analyze_input(path, &source, &record.request.options)?;
-    let confidence = Confidence::compute(case, &analysis, &record.request, args.threads)?;
+    let mut analysis = analyze_input(path, &source, &record.request.options)?;
+    let confidence = Confidence::compute(case, &mut analysis, &record.request, args.threads)?;
     if confidence.is_cut_short() && !confidence.has_replicates() {
         return Err(Failure::interrupted());
     }
-    print_notices(confidence.interruption(&analysis).as_slice());
+    print_notices(interruption(&analysis).as_slice());
     print_notices(record.amplitude_note(&analysis).as_slice());
     let (pictures, reasons) = films::pictures(path, file, case, args.threads)?;
     let note = |why: &String| Notice::new(NoticeKind::Note, format!("{}.", sentence_case(why)));

@@ -211,7 +211,7 @@ impl Repeated {
         }
         let mut analysis = analyze_case(&args.file, case, &request.options)?;
         analysis.warnings.merge(&picture_warnings(old));
-        let confidence = Confidence::compute(case, &analysis, request, args.threads)?;
+        let confidence = Confidence::compute(case, &mut analysis, request, args.threads)?;
         if confidence.is_cut_short() {
             // Fewer replicates than then would only look like a difference.
             return Err(Failure::interrupted());

@@ -52,7 +52,7 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     written?;
     Ok(if !outcome.response.ending.is_usable() {
         Ending::NotConverged
-    } else if outcome.interruption().is_some() {
+    } else if outcome.has_interrupted_replicates() {
         Ending::Interrupted
     } else {
         Ending::Done

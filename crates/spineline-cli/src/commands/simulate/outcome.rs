@@ -8,17 +8,19 @@ use spineline::multibody::Goal;
 use spineline::response::{OnSignedPoint, measure_angles};
 use spineline::spatial::Angle;
 use spineline::uncertainty::LoadedUncertainty;
+use spineline::warning::WarningCode;
 use spineline_files::{LoadFile, Simulated, SimulationError, SimulationFile, SimulationWarning};
-use spineline_report::document::Notice;
 use spineline_report::figures::loaded_spine;
 use spineline_report::loaded_tables::LoadedTables;
 use spineline_tables::{LoadedShape, Table, loaded_measures_table, path_table};
 
 use super::args::SimulateArgs;
 use super::replicates::Source;
-use crate::analysis::replicates::interruption;
+use crate::analysis::replicates::interruption_text;
 use crate::run::failure::Failure;
 use crate::run::provenance::generator;
+
+const INTERRUPTED: WarningCode = WarningCode::ReplicatesInterrupted;
 
 /// A model, its loads, and its response.
 pub struct Outcome {
@@ -64,7 +66,7 @@ impl Outcome {
         })
     }
 
-    /// Runs the replicates that are asked for under the same loads.
+    /// Runs the replicates that are asked for under the same loads; their interruption is a warning of the simulation.
     pub fn with_replicates(
         mut self,
         args: &SimulateArgs,
@@ -73,15 +75,18 @@ impl Outcome {
         self.source = source;
         if let Some(source) = &self.source {
             self.uncertainty = source.run(args, &self.simulated, &self.tables().measures())?;
+            let asked = source.asked.count;
+            let done = self.uncertainty.as_ref().map_or(0, |found| found.done);
+            if done < asked {
+                let (code, text) = (INTERRUPTED, interruption_text(done, asked));
+                self.simulated.warnings.push(SimulationWarning::new(code, text));
+            }
         }
         Ok(self)
     }
 
-    /// How many replicates count, where they were ended early.
-    pub fn interruption(&self) -> Option<Notice> {
-        let asked = self.source.as_ref()?.request().replicates?.count;
-        let done = self.uncertainty.as_ref().map_or(0, |found| found.done);
-        (done < asked).then(|| interruption(&self.model.case_id, done, asked))
+    pub fn has_interrupted_replicates(&self) -> bool {
+        self.warnings.iter().any(|warning| warning.code == INTERRUPTED)
     }
 
     /// What is measured before and under the loads, as a table.

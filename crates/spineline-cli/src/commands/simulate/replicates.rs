@@ -14,7 +14,7 @@ use crate::run::inputs::CaseInput;
 pub struct Source {
     pub case: CaseInput,
     source: ModelSource,
-    asked: Replicates,
+    pub asked: Replicates,
 }
 
 impl Source {

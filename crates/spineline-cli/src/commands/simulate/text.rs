@@ -22,7 +22,7 @@ pub fn notices(outcome: &Outcome) -> Vec<Notice> {
         code: warning.code.key().to_owned(),
         ..Notice::new(NoticeKind::Warning, warning.message.clone())
     };
-    outcome.warnings.iter().map(notice).chain(outcome.interruption()).collect()
+    outcome.warnings.iter().map(notice).collect()
 }
 
 fn subject(outcome: &Outcome) -> String {
