@@ -345,15 +345,25 @@ fn a_place_that_cannot_be_written_is_refused_before_any_work() {
 #[test]
 fn the_standard_output_takes_any_one_file() {
     let here = samples();
-    for command in TO_FILE.iter().filter(|command| !command.contains(&"--figures")) {
+    for command in TO_FILE.iter().filter(|command| !command.contains(&"md")) {
         let before = content(here.folder());
         let out = here.wrote(&with(command, "-"));
-        assert!(!out.is_empty(), "{command:?}");
+        assert!(!out.is_empty() && !out.contains("Report   -"), "{command:?}");
         let here = content(here.folder());
         let more: Vec<&String> =
             here.iter().filter(|file| !before.contains(file)).map(|(name, _)| name).collect();
-        // Markdown has its figures beside it.
-        assert!(more.is_empty() || command.contains(&"md"), "{command:?} wrote {more:?}");
+        assert!(more.is_empty(), "{command:?} wrote {more:?}");
+    }
+}
+
+#[test]
+fn the_standard_output_takes_one_file_only() {
+    let here = samples();
+    let before = content(here.folder());
+    // Markdown has its figures beside it.
+    for command in TO_FOLDER.iter().chain([&TO_FILE[6]]) {
+        here.refused(&with(command, "-"), 2);
+        assert!(before == content(here.folder()) && !here.path("-").exists(), "{command:?}");
     }
 }
 

@@ -8,7 +8,7 @@ use crate::options::method::MethodArgs;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
 use crate::run::failure::Failure;
-use crate::run::outputs::OverwriteArgs;
+use crate::run::outputs::{OverwriteArgs, is_stdout};
 
 /// Shown below the options.
 pub const EXAMPLES: &str = "Examples:
@@ -70,11 +70,16 @@ impl ReportArgs {
         }
     }
 
-    /// Refuses a name that ends like a file of another format.
+    /// Refuses a name that ends like a file of another format, and the standard output for Markdown.
     ///
     /// # Errors
     /// Wrong usage.
-    pub fn check_ending(&self) -> Result<(), Failure> {
+    pub fn check_out(&self) -> Result<(), Failure> {
+        if self.form()? == FormName::Md && self.out.as_deref().is_some_and(is_stdout) {
+            return Err(Failure::usage(
+                "name a file with --out: the figures of Markdown go beside it",
+            ));
+        }
         match self.ending() {
             Some(other) if FormName::of_ending(&other).is_none() => Err(Failure::usage(format!(
                 "--out ends in .{other}, and a report is .html, .md or .pdf: name the file so"

@@ -25,7 +25,7 @@ pub fn run(args: &ReportArgs) -> Result<Ending, Failure> {
     let outputs = Outputs::new(args.overwrite, inputs);
     if let Some(out) = &args.out {
         outputs.file(out)?;
-        args.check_ending()?;
+        args.check_out()?;
     }
     if let Some(folder) = &args.figures {
         outputs.folder(folder)?;

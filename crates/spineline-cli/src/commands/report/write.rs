@@ -10,7 +10,7 @@ use spineline_report::{Document, PRINT_SCALE, html, markdown, png};
 
 use super::args::{FormName, ReportArgs};
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{Outputs, print, print_notices};
+use crate::run::outputs::{Outputs, is_stdout, print, print_notices};
 use crate::run::pdf;
 use crate::run::provenance::in_svg;
 use crate::run::threads::map_all;
@@ -37,7 +37,8 @@ pub struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// Writes the report in the requested format, and every figure if requested; prints what was written.
+    /// Writes the report in the requested format, and every figure if requested; prints what was written, unless the report goes to
+    /// the standard output.
     pub fn write(
         &self,
         out: &Path,
@@ -56,6 +57,9 @@ impl Report<'_> {
             }
         }
         let kept = outputs.commit();
+        if is_stdout(out) {
+            return kept.map(|()| Ending::Done);
+        }
         let shown = print(said);
         kept.and(shown)
     }

@@ -16,7 +16,7 @@ use tempfile::TempPath;
 
 use super::parts::Parts;
 use super::print_data;
-use super::target::{Identity, Target, refuse_film};
+use super::target::{Identity, Target, is_stdout, refuse_film};
 use super::there::There;
 use crate::run::failure::Failure;
 use crate::run::interrupt::{self, Part};
@@ -131,8 +131,14 @@ impl Outputs {
     /// Checks a folder of results, which may be there already.
     ///
     /// # Errors
-    /// If it is a file, or cannot be made or written.
+    /// If it is the standard output or a file, or cannot be made or written.
     pub fn folder(&self, path: &Path) -> Result<(), Failure> {
+        if is_stdout(path) {
+            let path = path.display();
+            return Err(Failure::usage(format!(
+                "several files cannot go to {path}: name a folder"
+            )));
+        }
         check_folder(path, path)
     }
 
