@@ -94,7 +94,8 @@ fn as_text(path: &Path, film: &FilmFile) -> Lines {
     let mut line = |label: &str, value: &str| {
         text.line(format!("  {label:<9} {value}"));
     };
-    line("kind", &format!("{} {modality}{syntax}", film.kind));
+    let synthetic = if tags.is_phantom { " · SYNTHETIC" } else { "" };
+    line("kind", &format!("{} {modality}{syntax}{synthetic}", film.kind));
     line(
         "size",
         &format!("{} columns, {} rows, {} bits", film.columns, film.rows, tags.bits_stored),
@@ -166,6 +167,7 @@ fn as_json(path: &Path, film: &FilmFile) -> Value {
     json!({
         "file": shown_name(path),
         "kind": film.kind.to_string(),
+        "synthetic": tags.is_phantom,
         "modality": tags.modality,
         "transfer_syntax": tags.transfer_syntax,
         "columns": film.columns,

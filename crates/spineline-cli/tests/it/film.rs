@@ -80,6 +80,8 @@ fn film_describes_a_file_without_the_patients_identity() {
     let mut maker = Maker::new(4, 2, &[0, 100, 200, 300, 400, 500, 600, 700]);
     maker.text((0x10, 0x10), "PN", "Doe^Jane").text((0x10, 0x20), "LO", "4711-XY");
     maker.text((0x28, 4), "CS", "MONOCHROME1").text((0x18, 0x1164), "DS", "0.2\\0.1");
+    // Quality Control Image: what is shown is a phantom.
+    maker.text((0x28, 0x300), "CS", "YES");
     let path = write(folder.path(), "film.dcm", &maker.file(EXPLICIT));
     let png = folder.path().join("film.png");
     let run = |arguments: &[&str]| {
@@ -91,9 +93,13 @@ fn film_describes_a_file_without_the_patients_identity() {
         text
     };
     let text = run(&["--png", png.to_str().unwrap()]);
-    for part in
-        ["4 columns, 2 rows", "MONOCHROME1: small values are bright", "mm (detector)", "not square"]
-    {
+    for part in [
+        "4 columns, 2 rows",
+        "MONOCHROME1: small values are bright",
+        "mm (detector)",
+        "not square",
+        " · SYNTHETIC\n",
+    ] {
         assert!(text.contains(part), "{part} in {text}");
     }
     let shown = read_film(&std::fs::read(&png).unwrap(), &FilmLimits::default()).unwrap();
@@ -103,6 +109,7 @@ fn film_describes_a_file_without_the_patients_identity() {
     assert_eq!(shown.stored.iter().collect::<Vec<_>>(), [0, 0, 0, 0, 255, 255, 255, 255]);
     let json: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
     assert_eq!((json["rows"].as_u64(), json["spacing"]["row_mm"].as_f64()), (Some(2), Some(0.2)));
+    assert_eq!(json["synthetic"], true);
 }
 
 #[test]
@@ -114,4 +121,5 @@ fn film_refuses_other_files_with_help_and_continues() {
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&output.stderr).contains("looks like a PDF document"));
     assert!(String::from_utf8_lossy(&output.stdout).contains("2 columns, 2 rows"));
+    assert!(!String::from_utf8_lossy(&output.stdout).contains("SYNTHETIC"));
 }
