@@ -93,10 +93,14 @@ pub(super) fn format(
         return Err(wrong(tags::SAMPLES_PER_PIXEL, samples));
     }
     let allocated = needed(tags::BITS_ALLOCATED)?;
-    if !(allocated == 8 || allocated == 16 && !colour) {
+    if colour && allocated > 8 {
+        let photometric = UnsupportedPhotometric::Deep;
+        return Err(FilmError::Photometric { photometric });
+    }
+    if !matches!(allocated, 8 | 16) {
         return Err(wrong(tags::BITS_ALLOCATED, allocated));
     }
-    let stored = data.word(tags::BITS_STORED)?.unwrap_or(allocated);
+    let stored = needed(tags::BITS_STORED)?;
     if stored == 0 || stored > allocated || colour && stored != 8 {
         return Err(wrong(tags::BITS_STORED, stored));
     }

@@ -227,6 +227,12 @@ fn f7_frames_palettes_and_unusual_bit_depths_are_named() {
         error(small().text((0x28, 4), "CS", "PALETTE COLOR")),
         FilmError::Photometric { photometric }
     );
+    let photometric = UnsupportedPhotometric::Deep;
+    let mut colour = small();
+    colour.text((0x28, 4), "CS", "RGB").word((0x28, 2), 3);
+    assert_eq!(error(&mut colour), FilmError::Photometric { photometric });
+    let missing = Attribute(0x28, 0x101);
+    assert_eq!(error(small().remove((0x28, 0x101))), FilmError::NoPixels { missing });
     let attribute = Attribute(0x28, 0x100);
     for value in [1, 12, 32, 0] {
         let found = error(small().word((0x28, 0x100), value));
