@@ -55,6 +55,12 @@ spineline::faults! {
             what: &'static str,
             help: &'static str,
         },
+        /// The text has another encoding.
+        #[error("{at}: the text is not in UTF-8 or UTF-16")]
+        #[help("save the file as UTF-8; in Excel as `CSV UTF-8`")]
+        Encoding {
+            at: String,
+        },
         /// The text does not follow its format.
         #[error("{at}: {reason}")]
         #[help("correct the file at that place, or export it again")]

@@ -12,9 +12,8 @@ use super::LandmarkError;
 /// Reads JSON in UTF-8 or UTF-16. `NaN`, which programs write for missing values, counts as `null`. `Infinity` is read as a text, which
 /// the reader of a number refuses with its place.
 pub(super) fn parse_foreign<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, LandmarkError> {
-    let text = decode_text(bytes).ok_or_else(|| LandmarkError::Unrecognised {
-        reason: "its text is not in UTF-8 or UTF-16".to_owned(),
-    })?;
+    let text =
+        decode_text(bytes).ok_or_else(|| LandmarkError::Encoding { at: "the JSON".to_owned() })?;
     parse_text(&text).or_else(|error| match with_json_numbers(&text) {
         Some(text) => parse_text(&text),
         None => Err(error),

@@ -105,7 +105,8 @@ pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile
     }
     let text = decode_text(bytes);
     let start = text.as_ref().map_or("", |text| text.trim_start());
-    if start.starts_with(['{', '[']) {
+    let is_other_json = text.is_none() && bytes.trim_ascii_start().starts_with(b"{");
+    if is_other_json || start.starts_with(['{', '[']) {
         return parse_json_landmarks(bytes, hint);
     }
     if csv::looks_like_csv(bytes, &hint.columns) {

@@ -71,11 +71,8 @@ impl<'a> Cells<'a> {
 
     /// The text of a cell.
     pub fn text(self, column: usize, name: &str) -> Result<&'a str, LandmarkError> {
-        std::str::from_utf8(&self.record[column]).map_err(|_| LandmarkError::Value {
-            at: self.cell_place(name),
-            value: self.shown(column),
-            expected: "text in UTF-8",
-        })
+        std::str::from_utf8(&self.record[column])
+            .map_err(|_| LandmarkError::Encoding { at: self.cell_place(name) })
     }
 
     /// The beginning of a cell for display, whether it is UTF-8 or not.

@@ -484,6 +484,15 @@ fn files_without_landmarks_are_reported() {
         assert!(error.contains(part), "{error}");
     }
     let deep = "[".repeat(100_000);
+    let latin_1 = |text: &str| -> Vec<u8> {
+        text.bytes().map(|byte| if byte == b'?' { 0xfc } else { byte }).collect()
+    };
+    let rows = [row(Level::L4).replace(",A,", ",M?ller,")];
+    for text in [" {\"markups\":\"M?ller\"}", &table(&rows)] {
+        let error = parse_landmarks(&latin_1(text), &hint()).expect_err(text);
+        assert!(matches!(error.cause(), LandmarkError::Encoding { .. }), "{error}");
+        assert!(error.help().contains("UTF-8"), "{}", error.help());
+    }
     assert!(parse_landmarks(format!("{{\"markups\":{deep}").as_bytes(), &hint()).is_err());
 }
 
