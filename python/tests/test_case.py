@@ -108,7 +108,7 @@ def test_an_error_has_the_value_and_the_limit_of_its_text(case: sl.Case, tmp_pat
     confident = erect | {f"{corner}_confidence": everywhere(1.5) for corner in CORNERS}
     turned = erect | {"axis_clockwise_deg": everywhere(200.0)}
     for made, value, limit in (
-        (lambda: sl.Film(erect, film="erect", mm_per_px=-0.1), -0.1, 0.0001),
+        (lambda: sl.Film(erect, film="erect", mm_per_px=-0.1), -0.1, 0.01),
         (lambda: sl.Film(erect, film="erect", mm_per_px=5.5), 5.5, 5.0),
         (lambda: sl.Film(confident, film="erect", mm_per_px=0.14), 1.5, 1.0),
         (lambda: sl.Film(turned, film="erect", mm_per_px=0.14), 200.0, 180.0),

@@ -11,7 +11,7 @@ use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
 use sha2::{Digest, Sha256};
 use spineline::analysis::{Sex, Subject};
 use spineline::anatomy::{ImageSide, Posture};
-use spineline::measure::{ImageGeometry, SpacingPlane};
+use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
 
 use super::element::{code_item, element, sequence};
 use super::pixels::little_endian;
@@ -202,20 +202,20 @@ impl DicomFilm<'_> {
         if !(2..=16).contains(&bits_stored) || u32::from(greatest) >> bits_stored != 0 {
             return Err(WriteFilmError::Bits { posture, greatest, bits_stored });
         }
-        let length = |quantity, value: f64, least: f64, limit| {
-            let fits = (least..=1e4).contains(&value);
+        let length = |quantity, value, fits, limit| {
             if fits {
                 Ok(())
             } else {
                 Err(WriteFilmError::Length { posture, quantity, value, limit })
             }
         };
-        let spacing = "must be from 0.0001 to 10000 mm";
-        if let Some(stated) = image.spacing {
-            length("a column spacing", stated.column_mm, 1e-4, spacing)?;
-            length("a row spacing", stated.row_mm, 1e-4, spacing)?;
+        if let Some(Spacing { column_mm, row_mm, .. }) = image.spacing {
+            for (quantity, mm) in [("a column spacing", column_mm), ("a row spacing", row_mm)] {
+                length(quantity, mm, Spacing::is_possible(mm), "must be from 0.01 to 5 mm")?;
+            }
         }
-        length("a magnification", self.magnification, 1.0, "must be 1 or more")
+        let fits = (1.0..=1e4).contains(&self.magnification);
+        length("a magnification", self.magnification, fits, "must be 1 or more")
     }
 
     /// `PHANTOM^ROD01` for `phantom-rod-01`.

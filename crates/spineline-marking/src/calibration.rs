@@ -140,7 +140,7 @@ impl Calibration {
         }
         let column_mm = self.length_mm / apart_px;
         if !Spacing::is_possible(column_mm) || !Spacing::is_possible(aspect * column_mm) {
-            let must = "a length that gives pixels above 0.0001 mm and of at most 5 mm";
+            let must = "a length that gives pixels from 0.01 to 5 mm";
             return Err(CalibrationError::Value {
                 what: "length in mm",
                 value: self.length_mm,
@@ -166,7 +166,7 @@ impl Calibration {
 
     fn check(&self, [columns, rows]: [u32; 2]) -> Result<(), CalibrationError> {
         let positive = |what, value: f64| {
-            let good = value.is_finite() && value > Spacing::MIN_MM;
+            let good = value.is_finite() && value > 0.0;
             if good {
                 Ok(())
             } else {

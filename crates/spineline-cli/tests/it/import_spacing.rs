@@ -34,6 +34,17 @@ fn a_spacing_that_cannot_be_read_is_asked_for_and_a_shape_alone_answers_it() {
 }
 
 #[test]
+fn a_spacing_in_metres_is_asked_for_and_refused() {
+    let here = folder();
+    put(&here, "a.dcm", &film_with((0x28, 0x30), "DS", "0.0002\\0.0002"));
+    let error = here.import_refused(&ERECT, 2);
+    assert!(error.contains("--spacing erect="), "{error}");
+    let metres = [&ERECT[..], &["--spacing", "0.0002,0.0002,patient"]].concat();
+    let error = here.import_refused(&metres, 2);
+    assert!(unwrapped(&error).contains("from 0.01 to 5 mm"), "{error}");
+}
+
+#[test]
 fn a_pixel_aspect_ratio_is_used_without_a_spacing_and_asked_about_where_it_contradicts_one() {
     let here = folder();
     let mut alone = film_with((0x28, 0x34), "IS", "1\\2");

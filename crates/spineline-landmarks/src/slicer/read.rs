@@ -3,7 +3,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
-    Corners, IliacCrests, ImageGeometry, Placement, Reading, ReadingId, TiltRule, VertebraLandmarks,
+    Corners, IliacCrests, ImageGeometry, Placement, Reading, ReadingId, Spacing, TiltRule,
+    VertebraLandmarks,
 };
 use spineline::number::fixed;
 use spineline::spatial::{Frontal, Pixel};
@@ -418,12 +419,12 @@ impl List {
             help: "name its film, as in `--landmarks erect=FILE`; give the spacing that Slicer used with `--spacing`",
         })?;
         for step in steps {
-            if !(step.is_finite() && step > 1e-4) {
+            if !Spacing::is_possible(step) {
                 return Err(LandmarkError::Outside {
                     at: self.at.clone(),
                     value: step,
-                    expected: "a pixel spacing above 0.0001 mm",
-                    limits: [1e-4, f64::INFINITY],
+                    expected: "a pixel spacing from 0.01 to 5 mm",
+                    limits: [Spacing::MIN_MM, Spacing::MAX_MM],
                 });
             }
         }

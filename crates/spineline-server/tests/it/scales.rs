@@ -14,7 +14,7 @@ fn implausible_lengths_and_films_are_refused_with_their_limits() {
     for (calibrator, to_px, length_mm, limit) in [
         ("ball", 200.0, 254.0, "1 to 200 mm"),
         ("ruler", 200.0, 2540.0, "1 to 2000 mm"),
-        ("ruler", 110.0, 190.0, "at most 5 mm"),
+        ("ruler", 110.0, 190.0, "from 0.01 to 5 mm"),
         ("ruler", 300.0, 440.0, "no film of a spine is more than 2500 mm"),
     ] {
         let edit = json!({ "kind": "scale", "from_px": [100.0, 100.0], "to_px": [to_px, 100.0],

@@ -103,7 +103,7 @@ faults! {
             count: usize,
         },
         /// The distance between pixels is none that a film has.
-        #[error("{direction} spacing is {value} mm, and must be above {} mm and at most {} mm", Spacing::MIN_MM, Spacing::MAX_MM)]
+        #[error("{direction} spacing is {value} mm, and must be from {} to {} mm", Spacing::MIN_MM, Spacing::MAX_MM)]
         #[code("spacing")]
         #[help("state the distance between pixel centres in mm")]
         #[at(value = *value, limit = ErrorPlace::limit(*value, Spacing::MIN_MM, Spacing::MAX_MM))]
@@ -449,7 +449,7 @@ mod tests {
         assert_eq!((place.film, place.value), (Some(FilmView::Lateral), Some(-1.0)));
         let limits = [-1.0, 6.0, f64::NAN]
             .map(|value| MeasureFault::Spacing { direction: "row", value }.place().limit);
-        assert_eq!(limits, [Some(0.0001), Some(5.0), None]);
+        assert_eq!(limits, [Some(0.01), Some(5.0), None]);
     }
 
     #[test]

@@ -109,23 +109,23 @@ impl Spacing {
         self.plane != SpacingPlane::Pixels
     }
 
-    /// Whether both distances can be meant, from 0.0001 mm to 5 mm: some real films carry a spacing of zero.
+    /// Whether both distances can be meant.
     #[must_use]
     pub fn is_plausible(&self) -> bool {
         [self.column_mm, self.row_mm].into_iter().all(Self::is_possible)
     }
 
-    /// No detector has finer pixels.
-    pub const MIN_MM: f64 = 1e-4;
+    /// Detectors and scanners of films have coarser pixels; a finer spacing is in metres (assumption).
+    pub const MIN_MM: f64 = 0.01;
 
     /// With coarser pixels a thoracic body is three or four pixels high, too few for its corners (assumption).
-    pub(super) const MAX_MM: f64 = 5.0;
+    pub const MAX_MM: f64 = 5.0;
 
     /// Whether a distance between pixels can be meant: finite, not the `0.000` that some devices write, and fine enough for the
     /// corners of a vertebra.
     #[must_use]
     pub fn is_possible(mm: f64) -> bool {
-        mm > Self::MIN_MM && mm <= Self::MAX_MM
+        (Self::MIN_MM..=Self::MAX_MM).contains(&mm)
     }
 
     /// Whether pixels are as high as wide, to a tenth of a percent: 0.03° at most in an angle.

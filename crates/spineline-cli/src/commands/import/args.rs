@@ -340,7 +340,8 @@ fn spacing_of_film(text: &str) -> Result<OfFilm<Spacing>, String> {
         if spacing.is_plausible() {
             Ok(spacing)
         } else {
-            Err(format!("spacing {column},{row} mm: both must be above 0.0001 mm and at most 5 mm"))
+            let [least, most] = [Spacing::MIN_MM, Spacing::MAX_MM];
+            Err(format!("spacing {column},{row} mm: both must be from {least} to {most} mm"))
         }
     })
 }
