@@ -94,11 +94,13 @@ pub fn sniff(bytes: &[u8]) -> Result<FilmKind, FilmError> {
     if at(128, b"DICM") {
         return Ok(FilmKind::Dicom);
     }
-    let kinds: [(&[u8], FilmKind); 4] = [
+    let kinds: [(&[u8], FilmKind); 6] = [
         (b"\x89PNG\r\n\x1a\n", FilmKind::Png),
         (b"\xff\xd8\xff", FilmKind::Jpeg),
         (b"II*\0", FilmKind::Tiff),
         (b"MM\0*", FilmKind::Tiff),
+        (b"II+\0", FilmKind::Tiff),
+        (b"MM\0+", FilmKind::Tiff),
     ];
     if let Some((_, kind)) = kinds.into_iter().find(|(magic, _)| at(0, magic)) {
         return Ok(kind);

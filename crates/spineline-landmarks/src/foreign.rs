@@ -16,13 +16,15 @@ const FILMS: &str = "give films as PATH, and landmarks in a separate file with `
 const SAVE_V7: &str = "save it in MATLAB with save('file.mat', 'p2', '-v7')";
 
 /// First bytes of binary files.
-const SIGNATURES: [(&[u8], Known); 18] = [
+const SIGNATURES: [(&[u8], Known); 20] = [
     (b"MATLAB 7.3", ("a MATLAB file of version 7.3 (HDF5)", SAVE_V7)),
     (b"\x89HDF", ("an HDF5 file, such as of MATLAB 7.3, DeepLabCut or SLEAP", SAVE_V7)),
     (b"\x89PNG", ("a PNG picture", FILMS)),
     (b"\xff\xd8\xff", ("a JPEG picture", FILMS)),
     (b"II*\0", ("a TIFF picture", FILMS)),
     (b"MM\0*", ("a TIFF picture", FILMS)),
+    (b"II+\0", ("a TIFF picture", FILMS)),
+    (b"MM\0+", ("a TIFF picture", FILMS)),
     (b"%PDF", ("a PDF document", AS_TABLE)),
     (
         b"Iout",

@@ -166,11 +166,7 @@ fn refuse_picture(path: &Path) -> Result<(), Failure> {
     let Some(start) = start_of(path) else { return Ok(()) };
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     let is_picture = ending.is_some_and(|ending| PICTURES.contains(&&*ending))
-        || start.starts_with(b"\x89PNG")
-        || start.starts_with(b"\xff\xd8\xff")
-        || start.starts_with(b"II*\0")
-        || start.starts_with(b"MM\0*")
-        || start.ends_with(b"DICM");
+        || spineline_films::sniff(&start).is_ok();
     if !is_picture {
         return Ok(());
     }

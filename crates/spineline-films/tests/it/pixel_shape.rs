@@ -2,7 +2,9 @@
 //! files of several pictures.
 
 use spineline::measure::SpacingPlane;
-use spineline_films::{Codec, CodecFault, FilmError, FilmFile, FilmRemark, spacing_question};
+use spineline_films::{
+    Codec, CodecFault, FilmError, FilmFile, FilmKind, FilmRemark, spacing_question,
+};
 use spineline_marking::judge_spacing;
 
 use crate::maker::{EXPLICIT, Maker};
@@ -151,6 +153,37 @@ fn tiff(pages: &[([u32; 2], u16, u32)], big_endian: bool) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// A `BigTIFF` of 3 × 2 grey pixels.
+fn big_tiff() -> Vec<u8> {
+    const PIXELS: u64 = 16 + 8 + 8 * 20 + 8;
+    let mut bytes = b"II+\0\x08\0\0\0".to_vec();
+    bytes.extend([16_u64, 8].map(u64::to_le_bytes).concat());
+    let entries = [
+        (256, 4, 3),
+        (257, 4, 2),
+        (258, 3, 8),
+        (259, 3, 1),
+        (262, 3, 1),
+        (273, 4, PIXELS),
+        (278, 4, 2),
+        (279, 4, 6),
+    ];
+    for (tag, form, value) in entries {
+        bytes.extend([tag, form].map(u16::to_le_bytes).concat());
+        bytes.extend([1, value].map(u64::to_le_bytes).concat());
+    }
+    bytes.extend([0; 8]);
+    bytes.extend([9; 6]);
+    bytes
+}
+
+#[test]
+fn a_large_tiff_is_read() {
+    let film = read(&big_tiff()).expect("a picture");
+    assert_eq!((film.kind, film.columns, film.rows), (FilmKind::Tiff, 3, 2));
+    assert_eq!(film.stored.iter().collect::<Vec<_>>(), [9; 6]);
 }
 
 /// A JPEG whose JFIF segment states this.
