@@ -58,14 +58,15 @@ pub(super) fn read(
         ..FilmTags::default()
     };
     let stored = StoredPixels::Unsigned(words);
-    // Other programs show the whole range of the file's bits.
-    let full = f64::from(u16::MAX >> (16 - u32::from(bits_stored)));
+    // Other programs show all of 8 bits. Values in 16 bits may use only a part, and are shown from the smallest to the largest.
+    let full = f64::from(u8::MAX);
     let window = super::Window {
         center: full / 2.0,
         width: full,
         function: super::WindowFunction::LinearExact,
     };
-    let look = Look { voi: vec![super::Voi::Window(window)], ..Look::plain() };
+    let voi = (bits_stored == 8).then_some(super::Voi::Window(window));
+    let look = Look { voi: voi.into_iter().collect(), ..Look::plain() };
     Ok(FilmFile { kind, columns, rows, stored, tags, look, remarks })
 }
 
