@@ -1,13 +1,15 @@
 //! Grey values for the screen.
 
-use image::ImageEncoder;
+use png::BitDepth;
+use spineline_marking::judge_spacing;
 
 use super::lookup::{ModalityTransform, Voi, Window, WindowFunction};
 use super::pixels::little_endian;
+use super::png_file::PngFile;
 use super::{FilmFile, Photometric, StoredPixels};
 
 /// A picture for the screen.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Display {
     /// Pixels in a row.
     pub columns: u32,
@@ -15,6 +17,10 @@ pub struct Display {
     pub rows: u32,
     /// Brightness row by row from the top left: 0 is black.
     pub grey: Vec<u8>,
+    /// Height of a pixel over its width, where the film states it.
+    pub pixel_aspect: Option<f64>,
+    /// Whether the film is synthetic.
+    pub is_phantom: bool,
 }
 
 impl Display {
@@ -33,20 +39,31 @@ impl Display {
         // Extreme spacings must not make it empty.
         let columns = columns.max(1);
         let small = image::imageops::thumbnail(&picture, columns, rows);
-        Self { columns, rows, grey: small.into_raw() }
+        Self {
+            columns,
+            rows,
+            grey: small.into_raw(),
+            pixel_aspect: Some(1.0),
+            is_phantom: self.is_phantom,
+        }
     }
 
-    /// The picture as a PNG file with only its pixels.
+    /// The picture as a PNG file, which states the shape of its pixels and whether it is synthetic; millimetres are left
+    /// out.
     ///
     /// # Panics
     /// If the number of pixels is not `columns` times `rows`.
     #[must_use]
     pub fn to_png(&self) -> Vec<u8> {
-        let mut png = Vec::new();
-        image::codecs::png::PngEncoder::new(&mut png)
-            .write_image(&self.grey, self.columns, self.rows, image::ExtendedColorType::L8)
-            .expect("pixels fill the picture, and memory takes all that is written");
-        png
+        let file = PngFile {
+            columns: self.columns,
+            rows: self.rows,
+            samples: &self.grey,
+            depth: BitDepth::Eight,
+            pixel_aspect: self.pixel_aspect,
+            is_phantom: self.is_phantom,
+        };
+        file.bytes().expect("pixels fill the picture, and memory takes all that is written")
     }
 }
 
@@ -137,8 +154,13 @@ impl FilmFile {
         let table: Vec<u8> = (low..=high)
             .map(|stored| grey(&voi, self.look.modality.apply(stored), invert))
             .collect();
-        let grey = self.map(low, &table);
-        Display { columns: self.columns, rows: self.rows, grey }
+        Display {
+            columns: self.columns,
+            rows: self.rows,
+            grey: self.map(low, &table),
+            pixel_aspect: judge_spacing(&self.tags.spacing).spacing.map(|one| one.aspect()),
+            is_phantom: self.tags.is_phantom,
+        }
     }
 
     /// Values for a viewer that sets window and level, and the file's default display.

@@ -79,8 +79,8 @@ pub struct FilmTags {
     pub photometric: Photometric,
     /// Burned In Annotation (0028,0301), where it is stated.
     pub burned_in_annotation: Option<bool>,
-    /// Whether the file states that its picture is of a phantom: Quality Control Image (0028,0300). Films of synthetic
-    /// patients say so.
+    /// Whether the file states that its picture is of a phantom: Quality Control Image (0028,0300), or the text of a PNG
+    /// file that Spineline wrote. Films of synthetic patients say so.
     pub is_phantom: bool,
     /// For comparison with the patient of another film.
     pub patient: PatientMarks,

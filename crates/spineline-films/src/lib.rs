@@ -34,6 +34,7 @@ mod lookup;
 mod pair;
 mod patient;
 mod pixels;
+mod png_file;
 mod raster;
 mod read;
 mod remark;

@@ -54,6 +54,7 @@ pub(super) fn read(
             ..SpacingEvidence::default()
         },
         photometric,
+        is_phantom: stated.is_phantom,
         bits_stored,
         ..FilmTags::default()
     };

@@ -1,5 +1,5 @@
-//! Pixels of pictures without a data set: resolutions across and down (PNG `pHYs`, JPEG JFIF and Exif, TIFF), and the
-//! number of pictures in a file. Read from the bytes, because picture decoders ignore them.
+//! Pixels of pictures without a data set: resolutions across and down (PNG `pHYs`, JPEG JFIF and Exif, TIFF), the number
+//! of pictures in a file, and the text of a synthetic film. Read from the bytes, because picture decoders ignore them.
 
 use std::fmt;
 
@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use spineline::number::fixed;
 
 use super::FilmKind;
+use super::png_file::SYNTHETIC;
 
 spineline::named! {
     /// Unit of length of a resolution.
@@ -92,12 +93,14 @@ impl fmt::Display for Resolution {
     }
 }
 
-/// Resolution and number of pictures, by the bytes of a file.
+/// Resolution, number of pictures and origin, by the bytes of a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Stated {
     pub resolution: Option<Resolution>,
     /// Number of pictures of full size in the file; 0 if unknown.
     pub pictures: u32,
+    /// Whether the film is synthetic.
+    pub is_phantom: bool,
 }
 
 pub(super) fn stated(bytes: &[u8], kind: FilmKind) -> Stated {
@@ -145,7 +148,7 @@ impl Numbers<'_> {
     }
 }
 
-/// Chunks of a PNG before its pixels: `pHYs`, and `acTL` of an animated one.
+/// Chunks of a PNG before its pixels: `pHYs`, `tEXt` of a synthetic film, and `acTL` of an animated one.
 fn png(bytes: &[u8]) -> Option<Stated> {
     let numbers = Numbers { bytes, big_endian: true };
     let (mut found, mut place) = (Stated { pictures: 1, ..Stated::default() }, 8_usize);
@@ -160,6 +163,10 @@ fn png(bytes: &[u8]) -> Option<Stated> {
                 };
                 let [across, down] = [numbers.u32(data)?, numbers.u32(data + 4)?].map(f64::from);
                 found.resolution = resolution(across, down, unit);
+            }
+            b"tEXt" => {
+                let text = bytes.get(data..data.checked_add(length)?)?;
+                found.is_phantom |= text == SYNTHETIC.join("\0").as_bytes();
             }
             b"acTL" => found.pictures = numbers.u32(data)?,
             b"IDAT" | b"IEND" => return Some(found),
@@ -202,7 +209,7 @@ fn jpeg(bytes: &[u8]) -> Option<Stated> {
     let all = || [by_jfif, by_exif].into_iter().flatten();
     let unequal = all().find(|one| !one.is_square());
     let meant = unequal.or_else(|| all().find(Resolution::is_meant));
-    Some(Stated { resolution: meant.or_else(|| all().next()), pictures: 1 })
+    Some(Stated { resolution: meant.or_else(|| all().next()), pictures: 1, ..Stated::default() })
 }
 
 /// Maximum number of directories of one file that are counted.

@@ -15,6 +15,7 @@ use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
 
 use super::element::{code_item, element, sequence};
 use super::pixels::little_endian;
+use super::png_file::SYNTHETIC;
 use super::{rle, uid};
 
 /// Meaning of large stored values.
@@ -324,7 +325,7 @@ impl DicomFilm<'_> {
 
     fn put_image(&self, object: &mut InMemDicomObject) {
         text(object, tags::IMAGE_TYPE, VR::CS, "DERIVED\\PRIMARY");
-        text(object, tags::DERIVATION_DESCRIPTION, VR::ST, "SYNTHETIC: drawn from a phantom");
+        text(object, tags::DERIVATION_DESCRIPTION, VR::ST, SYNTHETIC[1]);
         empty(object, tags::CONTENT_DATE, VR::DA);
         empty(object, tags::CONTENT_TIME, VR::TM);
         // The word and the lead marker in the picture do not identify a person.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 use spineline::number::fixed;
+use spineline_files::{FilmOrigin, InputFile, Provenance};
 use spineline_films::{FilmFile, ModalityTransform, Voi, Window, WindowFunction};
 use spineline_marking::{judge_spacing, judge_view};
 use spineline_report::terminal::Lines;
@@ -14,7 +15,7 @@ use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::{Decoder, film_bytes};
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, print, print_data};
-use crate::run::provenance::shown_name;
+use crate::run::provenance::{shown_name, this_run};
 
 pub const EXAMPLES: &str = "\
 Examples:
@@ -27,7 +28,7 @@ pub struct FilmArgs {
     /// DICOM, PNG, JPEG or TIFF files
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Write a preview as PNG; for one film only
+    /// Write a preview as PNG, with its provenance beside it; for one film only
     #[arg(long, value_name = "OUT")]
     png: Option<PathBuf>,
     /// Invert black and white in the preview
@@ -58,12 +59,14 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
     }
     let outputs = Outputs::new(args.overwrite, args.files.iter().map(PathBuf::as_path));
     if let Some(out) = &args.png {
-        outputs.declare(out)?;
+        outputs.table(out)?;
     }
     let decoder = Decoder::new()?;
     let mut ending = Ending::Done;
     for path in &args.files {
-        let film = match decoder.decode(film_bytes(path)?) {
+        let bytes = film_bytes(path)?;
+        let input = InputFile::of(shown_name(path), &bytes);
+        let film = match decoder.decode(bytes) {
             Ok(film) => film,
             Err(error) => {
                 say(&Failure::of(path.display(), &error));
@@ -78,7 +81,9 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
         }
         if let Some(out) = &args.png {
             let png = film.display(args.window.as_ref(), args.invert).to_png();
-            outputs.write(out, png)?;
+            let origin = FilmOrigin::of([film.tags.is_phantom]);
+            let provenance = Provenance::new(this_run()?, origin, vec![input]);
+            outputs.write_table(out, png, &provenance)?;
         }
     }
     outputs.commit_and_say()?;

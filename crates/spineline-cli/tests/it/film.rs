@@ -9,6 +9,7 @@ use assert_cmd::Command;
 use spineline_films::{ChildLimits, FilmError, FilmLimits, decode_in_child, read_film};
 
 use crate::maker::{DEFLATED, EXPLICIT, Maker, RLE, Value, ramp};
+use crate::program::folder;
 
 fn program() -> PathBuf {
     assert_cmd::cargo::cargo_bin!("spineline").to_path_buf()
@@ -122,4 +123,27 @@ fn film_refuses_other_files_with_help_and_continues() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("looks like a PDF document"));
     assert!(String::from_utf8_lossy(&output.stdout).contains("2 columns, 2 rows"));
     assert!(!String::from_utf8_lossy(&output.stdout).contains("SYNTHETIC"));
+}
+
+#[test]
+fn a_preview_is_imported_with_the_shape_of_its_pixels_as_synthetic() {
+    let here = folder();
+    let mut maker = Maker::new(60, 40, &ramp(60, 40));
+    maker.text((0x18, 0x1164), "DS", "0.2\\0.1").text((0x28, 0x300), "CS", "YES");
+    here.write("film.dcm", maker.file(EXPLICIT));
+    here.done(&["film", "film.dcm", "--png", "film.png"]);
+    let beside = here.json("film.png.provenance.json");
+    assert_eq!(beside["provenance"]["films"], "synthetic");
+    assert_eq!(beside["provenance"]["inputs"][0]["name"], "film.dcm");
+    let png = std::fs::read(here.path("film.png")).unwrap();
+    assert_eq!(beside["of"][0]["sha256"], spineline_files::sha256_hex(&png));
+    // The provenance names the file, so that the same command may make it again.
+    here.done(&["film", "film.dcm", "--png", "film.png", "--invert"]);
+    let case = ["--case-id", "A", "--out", "a", "--film", "erect=1"];
+    let side = ["--patient-left", "image-left"];
+    here.imported(&[&["film.png"], &case[..], &side].concat());
+    let made = here.json("a/case.json");
+    assert_eq!(made["synthetic"], true);
+    let image = &made["films"][0]["image"];
+    assert_eq!((&image["pixel_aspect"], &image["spacing_plane"]), (&2.0.into(), &"pixels".into()));
 }

@@ -8,21 +8,20 @@ mod clean;
 mod policy;
 mod stream;
 
-use std::io::Cursor;
-
 use dicom_core::dictionary::{DataDictionary, DataDictionaryEntry};
 use dicom_core::value::{PixelFragmentSequence, PrimitiveValue};
 use dicom_core::{DataElement, Tag, VR};
 use dicom_dictionary_std::{StandardDataDictionary, tags};
 use dicom_object::mem::InMemElement;
 use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
-use image::{ExtendedColorType, ImageEncoder};
+use png::BitDepth;
 use spineline::analysis::is_case_id;
 
 use super::codec::foreign;
 use super::container::{self, Container};
 use super::element::{Attributes, code_item, element, parse, sequence};
 use super::error::{Codec, CodecFault, FilmError, Measure};
+use super::png_file::PngFile;
 use super::scan::PIXEL_DATA;
 use super::tags::{STANCES, VIEW_CODES, is_uid, read as read_tags};
 use super::uid;
@@ -99,7 +98,8 @@ pub struct Deidentified {
 ///
 /// The transfer syntax is kept, except that deflated files become Explicit VR Little Endian. The values of all pixels
 /// are kept. Unused bits become zero, and run lengths are written again; other compressed pixels stay unchanged.
-/// Pictures are decoded and written as PNG of 8 or 16 bits, with only their pixels.
+/// Pictures are decoded and written as PNG of 8 or 16 bits, with the shape of their pixels and the text of a synthetic
+/// film.
 ///
 /// # Errors
 /// [`FilmError::CaseId`], [`FilmError::HiddenBits`], and all errors of reading a film.
@@ -123,19 +123,22 @@ fn picture(bytes: &[u8], kind: FilmKind, limits: &FilmLimits) -> Result<Deidenti
     let StoredPixels::Unsigned(words) = &film.stored else {
         unreachable!("pictures are unsigned");
     };
-    let mut png = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(Cursor::new(&mut png));
-    let written = if film.tags.bits_stored == 8 {
-        let bytes: Vec<u8> = words.iter().map(|&word| word as u8).collect();
-        encoder.write_image(&bytes, film.columns, film.rows, ExtendedColorType::L8)
+    let (depth, samples): (BitDepth, Vec<u8>) = if film.tags.bits_stored == 8 {
+        (BitDepth::Eight, words.iter().map(|&word| word as u8).collect())
     } else {
-        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_ne_bytes()).collect();
-        encoder.write_image(&bytes, film.columns, film.rows, ExtendedColorType::L16)
+        (BitDepth::Sixteen, words.iter().flat_map(|word| word.to_be_bytes()).collect())
     };
-    let fault = CodecFault::Unsupported;
-    written.map_err(|_| FilmError::Codec { codec: Codec::Raster, fault })?;
+    let file = PngFile {
+        columns: film.columns,
+        rows: film.rows,
+        samples: &samples,
+        depth,
+        pixel_aspect: film.tags.spacing.pixel_aspect,
+        is_phantom: film.tags.is_phantom,
+    };
+    let bytes = file.bytes().map_err(|_| CodecFault::Unsupported.of(Codec::Raster))?;
     let report = DeidReport { entries: Vec::new(), remarks: film.remarks };
-    Ok(Deidentified { bytes: png, report })
+    Ok(Deidentified { bytes, report })
 }
 
 fn dicom(

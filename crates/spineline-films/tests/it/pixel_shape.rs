@@ -3,7 +3,8 @@
 
 use spineline::measure::SpacingPlane;
 use spineline_films::{
-    Codec, CodecFault, FilmError, FilmFile, FilmKind, FilmRemark, spacing_question,
+    Codec, CodecFault, DeidOptions, FilmError, FilmFile, FilmKind, FilmLimits, FilmRemark,
+    deidentify, spacing_question,
 };
 use spineline_marking::judge_spacing;
 
@@ -223,6 +224,30 @@ fn unequal_resolutions_give_the_shape_of_a_pixel() {
             // Anything but a panic.
             let _ = read(&bytes[..end]).is_ok();
         }
+    }
+}
+
+#[test]
+fn a_picture_of_a_film_keeps_the_shape_of_the_pixels_and_the_word_synthetic() {
+    for (origin, is_phantom) in [("YES", true), ("NO", false)] {
+        // Rows at twice the distance of columns, on the detector.
+        let dicom = film(&[((0x18, 0x1164), "DS", "0.2\\0.1"), ((0x28, 0x300), "CS", origin)]);
+        let shown = dicom.display(None, false);
+        let options =
+            DeidOptions { case_id: "P07".to_owned(), salt: [7; 32], retain_sex_and_age: false };
+        let preview = shown.to_png();
+        let clean = deidentify(&preview, &options, &FilmLimits::default()).expect("a picture");
+        for bytes in [&preview, &clean.bytes] {
+            let picture = read(bytes).expect("a picture");
+            let spacing = judge_spacing(&picture.tags.spacing).spacing.expect("a shape");
+            assert!((spacing.aspect() - 2.0).abs() < 1e-6, "{spacing:?}");
+            // The millimetres of the detector are not the patient's.
+            assert_eq!(spacing.plane, SpacingPlane::Pixels);
+            assert_eq!(picture.tags.is_phantom, is_phantom);
+            assert!(picture.stored.iter().eq(shown.grey.iter().map(|&grey| i32::from(grey))));
+        }
+        let small = read(&shown.thumbnail(2, 2.0).to_png()).expect("a picture");
+        assert_eq!((small.tags.spacing.pixel_aspect, small.tags.is_phantom), (None, is_phantom));
     }
 }
 
