@@ -78,6 +78,23 @@ fn every_command_of_the_guide_runs() {
 }
 
 #[test]
+fn every_option_in_the_text_of_the_guide_exists() {
+    // Options of cargo.
+    const OTHERS: [&str; 2] = ["--features", "--no-default-features"];
+    let completions = folder().done(&["completions", "bash"]);
+    let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '-';
+    let known: Vec<&str> = completions.split(|c: char| !is_letter(c)).chain(OTHERS).collect();
+    for page in pages() {
+        let text = fs::read_to_string(guide().join(&page)).expect("a page");
+        // What follows a backtick up to the end of the word; a word of text follows its end, and is not an option.
+        for rest in text.split('`').filter(|rest| rest.starts_with("--")) {
+            let option = rest.split(|c: char| !is_letter(c)).next().expect("a word");
+            assert!(known.contains(&option), "{page}: {option}");
+        }
+    }
+}
+
+#[test]
 fn the_guide_shows_every_command_on_studies_and_accounts() {
     let shown: String =
         pages().iter().flat_map(|page| blocks(page)).map(|block| block.text).collect();
