@@ -105,6 +105,19 @@ fn films_become_a_deidentified_case() {
 }
 
 #[test]
+fn a_film_is_found_however_its_path_is_written() {
+    let here = folder();
+    put(&here, "a.dcm", &film(1));
+    let whole = here.path("a.dcm").display().to_string();
+    for (place, name) in [(".", "a.dcm"), ("./", whole.as_str()), ("a.dcm", "./a.dcm")] {
+        let choice = format!("erect={name}");
+        let out = format!("out-{}", choice.len());
+        here.imported(&[place, "--case-id", "A", "--out", &out, "--film", &choice]);
+        assert_eq!(here.json(format!("{out}/case.json"))["films"][0]["posture"], "erect");
+    }
+}
+
+#[test]
 fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
     let here = folder();
     let mut phantom = film(1);

@@ -157,7 +157,7 @@ fn one_file_per_annotator_is_imported_with_their_names() {
     let error = here.import_refused(&arguments("a", &files), 3);
     assert!(error.contains("--reading FILE=OBSERVER:REPEAT"), "{error}");
     let named = |b: &'static str| {
-        [&files[..], &["--reading", "raterA.json=rater-A", "--reading", b]].concat()
+        [&files[..], &["--reading", "./raterA.json=rater-A", "--reading", b]].concat()
     };
     here.imported(&arguments("b", &named("raterB.json=B:2")));
     let case = here.json("b/case.json");

@@ -17,6 +17,7 @@ use spineline_marking::{Calibration, Calibrator};
 use crate::options::choice::choice;
 use crate::options::values::{number, posture};
 use crate::run::failure::Failure;
+use crate::run::outputs::is_same_file;
 
 /// Shown below the options.
 pub const EXAMPLES: &str = "\
@@ -210,16 +211,16 @@ impl ImportArgs {
 
     /// Refuses a reading of a file that is not given, or two of one file.
     fn check_readings(&self) -> Result<(), Failure> {
-        let files = self.landmarks.iter().map(|of| &of.value).chain(&self.lateral_landmarks);
-        let files: Vec<&PathBuf> = files.collect();
         for (i, (file, _)) in self.reading.iter().enumerate() {
             let name = file.display();
-            if !files.contains(&file) {
+            let mut given =
+                self.landmarks.iter().map(|of| &of.value).chain(&self.lateral_landmarks);
+            if !given.any(|one| is_same_file(one, file)) {
                 return Err(Failure::usage(format!(
                     "--reading names {name}, which is not a given file of landmarks: add it with --landmarks or --lateral-landmarks"
                 )));
             }
-            if self.reading[..i].iter().any(|(other, _)| other == file) {
+            if self.reading[..i].iter().any(|(other, _)| is_same_file(other, file)) {
                 return Err(Failure::usage(format!("--reading is given twice for {name}")));
             }
         }
@@ -228,7 +229,7 @@ impl ImportArgs {
 
     /// Observer and repeat that were given for a file.
     pub fn reading_of(&self, file: &Path) -> Option<&ReadingId> {
-        self.reading.iter().find(|(of, _)| of == file).map(|(_, id)| id)
+        self.reading.iter().find(|(of, _)| is_same_file(of, file)).map(|(_, id)| id)
     }
 
     /// Refuses answers about a film that was not chosen.

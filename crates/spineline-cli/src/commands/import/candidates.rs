@@ -2,13 +2,14 @@
 
 use spineline::anatomy::FilmView;
 use spineline_files::sha256_hex;
-use spineline_films::intake::{Found, IntakeLimits, Survey, read, survey};
+use spineline_films::intake::{Found, IntakeLimits, Place, Survey, read, survey};
 use spineline_films::{FilmRemark, FilmTags};
 use spineline_marking::{SpacingJudgement, ViewJudgement, judge_spacing, judge_view};
 
 use super::args::{FilmChoice, ImportArgs};
 use crate::run::failure::Failure;
 use crate::run::film_decoder::Decoder;
+use crate::run::outputs::is_same_file;
 use crate::run::progress::spinner;
 
 /// A film that was found.
@@ -81,9 +82,9 @@ impl Candidates {
     pub fn index(&self, choice: &FilmChoice) -> Result<usize, Failure> {
         let index = match choice {
             FilmChoice::Number(number) => Some(number - 1).filter(|&i| i < self.films.len()),
-            FilmChoice::File(path) => self.films.iter().position(|film| {
-                matches!(&film.found.place, spineline_films::intake::Place::File(of) if of == path)
-            }),
+            FilmChoice::File(path) => self.films.iter().position(
+                |film| matches!(&film.found.place, Place::File(of) if is_same_file(of, path)),
+            ),
         };
         index.ok_or_else(|| {
             let what = match choice {

@@ -8,7 +8,7 @@ mod there;
 
 pub use pieces::Pieces;
 pub use staged::{Outputs, OverwriteArgs};
-pub use target::is_stdout;
+pub use target::{is_same_file, is_stdout};
 
 use std::io::{self, ErrorKind, IsTerminal, Write};
 

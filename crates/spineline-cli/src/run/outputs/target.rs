@@ -137,6 +137,11 @@ fn canonical(folder: &Path) -> PathBuf {
     })
 }
 
+/// Whether two paths lead to one file, however they are written.
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    Identity::of(one).is(&Identity::of(other))
+}
+
 /// The identity of a file, the same through links of both kinds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
