@@ -1,15 +1,23 @@
 //! Messages on the standard error. If the stream is full or closed, a message is dropped: the macros of the standard library
 //! would panic.
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::panic;
 
-use spineline_report::terminal::Lines;
+use spineline_report::terminal::{Lines, within};
+use terminal_size::{Height, Width, terminal_size_of};
 
-/// Writes a message to the standard error: one line, unless it is made of several.
+/// Columns of text for a person: the width of the terminal, from 80 to 120.
+pub fn columns(size: (Width, Height)) -> usize {
+    usize::from(size.0.0).clamp(80, 120)
+}
+
+/// Writes a message to the standard error: one line, unless it is made of several. A terminal gets longer lines wrapped.
 pub fn say(message: impl Into<Lines>) {
+    let width = terminal_size_of(io::stderr()).map_or(usize::MAX, columns);
+    let text = within(&message.into(), width);
     // A closed stream changes nothing.
-    let _ = std::io::stderr().lock().write_all(message.into().as_str().as_bytes());
+    let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
 /// Names the origin of the weights that propose landmarks, in a program that has them.

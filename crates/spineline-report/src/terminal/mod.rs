@@ -95,6 +95,20 @@ fn hanging(text: &str, width: usize) -> String {
     lines.join(&format!("\n{HANGING}")) + "\n"
 }
 
+/// Lines of at most `width` columns, unless a single word is wider. The parts of a broken line keep its indent.
+#[must_use]
+pub fn within(lines: &Lines, width: usize) -> String {
+    let broken = |line: &str| -> String {
+        if line.width() <= width {
+            return format!("{line}\n");
+        }
+        let indent = &line[..line.len() - line.trim_start_matches(' ').len()];
+        let parts = hanging(line, width.saturating_sub(indent.len()));
+        parts.lines().map(|part| format!("{indent}{part}\n")).collect()
+    };
+    lines.as_str().lines().map(broken).collect()
+}
+
 /// The text as one line, without hidden characters.
 fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
@@ -258,6 +272,15 @@ mod tests {
     fn the_indent_of_a_paragraph_counts_in_its_width() {
         assert_eq!(paragraph("left and right", 9, ""), "left and\nright\n");
         assert_eq!(paragraph("left and right", 9, "  "), "  left\n  and\n  right\n");
+    }
+
+    #[test]
+    fn a_message_of_several_lines_is_wrapped_line_by_line() {
+        let mut lines = Lines::of("error: a.json: the film has two readings");
+        lines.line("  help: name another film").line("a   table");
+        let expected = "error: a.json: the\n  film has two\n  readings\n  help: name\n    another film\na   table\n";
+        assert_eq!(within(&lines, 20), expected);
+        assert_eq!(within(&lines, usize::MAX), lines.as_str());
     }
 
     #[test]

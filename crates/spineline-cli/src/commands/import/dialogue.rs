@@ -130,8 +130,8 @@ pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
                 .with_line(format!("    {}", question.answer())))
         }
         About::Contradiction(text) => {
-            let text = shown(text);
-            let prompt = format!("{} film: {text}. Continue with your options?", question.view);
+            say(format!("{} film: {text}.", question.view));
+            let prompt = "Continue with your options?";
             let sure =
                 Confirm::new().with_prompt(prompt).default(false).interact().map_err(asked)?;
             if sure { Ok(None) } else { Err(cancelled()) }

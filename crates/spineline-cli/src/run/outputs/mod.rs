@@ -14,9 +14,10 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 
 use spineline_report::document::{Document, Notice};
 use spineline_report::terminal::{self, Lines};
+use terminal_size::terminal_size_of;
 
 use super::failure::{Ending, Failure};
-use super::messages::say;
+use super::messages::{columns, say};
 
 /// Writes lines for a person to the standard output. It ignores a closed pipe.
 pub fn print(text: impl Into<Lines>) -> Result<Ending, Failure> {
@@ -28,10 +29,9 @@ pub fn print_document(document: &Document) -> Result<Ending, Failure> {
     print(Lines::of_text(&terminal::terminal(document, width())))
 }
 
-/// Columns of text for a person: the width of the terminal, from 80 to 120; without a terminal, [`terminal::WIDTH`].
+/// [`columns`] of the standard output; without a terminal, [`terminal::WIDTH`].
 pub fn width() -> usize {
-    let found = terminal_size::terminal_size_of(io::stdout());
-    found.map_or(terminal::WIDTH, |(columns, _)| usize::from(columns.0).clamp(80, 120))
+    terminal_size_of(io::stdout()).map_or(terminal::WIDTH, columns)
 }
 
 /// Columns of a table with a line per entry: [`width`] on a terminal; in a file or a pipe without limit, so that programs find whole
@@ -61,7 +61,7 @@ pub fn shown(written: io::Result<()>) -> Result<Ending, Failure> {
     }
 }
 
-/// Writes notices to the standard error, one line each, so that other programs can read them by line.
+/// Writes notices to the standard error; outside of a terminal one line each, so that other programs can read them by line.
 pub fn print_notices(notices: &[Notice]) {
     for notice in notices {
         say(terminal::notice(notice, usize::MAX).trim_end());
