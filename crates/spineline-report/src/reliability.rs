@@ -64,9 +64,7 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
     };
     let rows = found.iter().filter_map(|quantity| Some((quantity, short_design(quantity)?)));
     let mut table = Table::of("Reliability of one reading", rows, |add| {
-        add.words("Quantity", |(quantity, _)| {
-            format!("{}, {}", quantity.key.replace('_', " "), quantity.unit)
-        });
+        add.words("Quantity", |(quantity, _)| format!("{}, {}", quantity.words(), quantity.unit));
         add.words("Compared", |(_, design)| match &design.design {
             Design::InterObserverSingle { .. } => "observers".to_owned(),
             Design::InterObserverMeans => "means of observers".to_owned(),
@@ -169,7 +167,11 @@ fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {
         section.paragraph(format!("{caption}: undefined: {reason}"));
         return;
     }
-    let n = [counted(design.subjects, "subject"), counted(design.raters.len(), "rater")];
+    let compared = match design.design {
+        Design::IntraObserver { .. } => "repeat",
+        Design::InterObserverMeans | Design::InterObserverSingle { .. } => "observer",
+    };
+    let n = [counted(design.subjects, "subject"), counted(design.raters.len(), compared)];
     let columns = vec![
         Column::words("Statistic"),
         Column::numbers("Value"),

@@ -41,6 +41,15 @@ fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
     assert_eq!(figures.len(), 6 * 4, "six quantities, two designs between and two within");
     let svg = fs::read_to_string(&figures[0]).expect("a picture");
     assert!(svg.contains("synthetic data") && svg.contains("limits of agreement"));
+    let tilts = figures.iter().find(|file| file.to_string_lossy().contains("-tilt_as_paper-2-"));
+    let tilts = fs::read_to_string(tilts.expect("tilts")).expect("a picture");
+    let tilts = tilts.split_once("</metadata>").expect("a provenance").1;
+    // Names in words, sentences with a capital, and a unit after every number.
+    assert!(tilts.contains("Agreement of readings: tilt as paper, "), "{tilts}");
+    assert!(tilts.contains(">Tilt of a vertebra against the film; "), "{tilts}");
+    assert!(tilts.contains("vertebrae on films") && !tilts.contains("rater"), "{tilts}");
+    let limits = tilts.split_once(", limits ").expect("limits").1;
+    assert!(limits.split('<').next().is_some_and(|text| text.ends_with(" deg")), "{tilts}");
     let rows = here.text("out.csv");
     assert!(rows.lines().all(|row| row.split(',').count() >= 16), "every row is whole");
 }

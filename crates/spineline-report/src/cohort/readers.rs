@@ -59,7 +59,7 @@ fn plot(
     let svg = bland_altman(quantity, design, synthetic)?;
     let caption = format!(
         "Agreement of {}, {}: differences over means, with bias and limits of agreement.",
-        quantity.key.replace('_', " "),
+        quantity.words(),
         design.design
     );
     let name = format!("agreement-{}-{number}-{}", quantity.key, design.design.key());

@@ -1,4 +1,4 @@
-//! The agreement of two raters' readings.
+//! The agreement of the readings of two observers, or of two repeats of one.
 
 use kuva::render::render::Primitive;
 use spineline::reliability::{BlandAltman, DesignReliability, QuantityReliability, shown_measure};
@@ -7,6 +7,7 @@ use spineline::warning::counted;
 use super::page::{Page, Sample};
 use super::panel::{Axis, HeadingKind, Panel};
 use super::style::{BLACK, BLUE, GREY, Ink, Marker, SKY, Shape, VERMILLION, YELLOW};
+use crate::phrases::sentence_case;
 
 const BIAS: Ink = Ink::new(BLUE, "", 1.8);
 const LIMIT: Ink = Ink::new(VERMILLION, "8 4", 1.6);
@@ -14,7 +15,7 @@ const ZERO: Ink = Ink::new(GREY, "2 3", 1.2);
 const BANDS_OPACITY: f64 = 0.35;
 const PANELS_PER_ROW: usize = 2;
 
-/// Bland and Altman's plot of every pair of raters of one design: differences over means, with bias and limits of
+/// Bland and Altman's plot of every pair of observers or repeats of one design: differences over means, with bias and limits of
 /// agreement as lines and their 95 % intervals as bands. `None` where no pair could be compared.
 #[must_use]
 pub fn bland_altman(
@@ -27,14 +28,15 @@ pub fn bland_altman(
     if pairs.is_empty() {
         return None;
     }
-    let title = format!("Agreement of readings: {}, {}", quantity.key, design.design);
+    let title = format!("Agreement of readings: {}, {}", quantity.words(), design.design);
     let mut page = Page::new(title, synthetic);
-    page.notes.push(format!("{}.", quantity.meaning));
+    page.notes.push(format!("{}.", sentence_case(&quantity.meaning)));
     page.notes.push(format!(
         "{}. Bands: 95 % intervals of bias and limits, as if subjects were independent.",
         counted(design.subjects, "subject")
     ));
-    page.notes.extend(design.remarks.iter().map(|remark| format!("{remark}.")));
+    page.notes
+        .extend(design.remarks.iter().map(|one| format!("{}.", sentence_case(&one.to_string()))));
     let point = Marker { radius_px: 2.6, ..Marker::new(Shape::Circle, BLACK, false) };
     page.entry(point, "subject");
     page.entry(BIAS, "bias");
@@ -61,7 +63,8 @@ fn panel(pair: &BlandAltman, unit: &str, width_px: f64, point: Marker) -> Panel 
     let mut panel = Panel::new(x, y, [width_px, 300.0]);
     let [lower, upper] = pair.limits.map(shown_measure);
     panel.heading(HeadingKind::Title, format!("{second} minus {first}"));
-    let bias = format!("bias {} {unit}, limits {lower} to {upper}", shown_measure(pair.bias));
+    let bias = shown_measure(pair.bias);
+    let bias = format!("bias {bias} {unit}, limits {lower} to {upper} {unit}");
     panel.heading(HeadingKind::Plain, bias);
     let bands = pair.limit_intervals.into_iter().flatten().map(|band| (band, YELLOW));
     for (band, fill) in bands.chain(pair.bias_interval.map(|band| (band, SKY))) {

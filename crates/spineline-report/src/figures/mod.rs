@@ -11,7 +11,7 @@
 //! | [`measured_and_simulated`] | 9 |
 //! | [`least_rotating_estimates`] | 10 |
 //! | [`force_path`] | 11 |
-//! | [`bland_altman`] | none: readings of two raters against one another |
+//! | [`bland_altman`] | none: readings of two observers, or repeats of one, against one another |
 //! | [`films`] | none: films as they were taken, with landmarks, curve, inflections and lines |
 //! | [`spine_in_space`] | none: the multibody model from three sides |
 //! | [`lenke_types`], [`exclusions`] | none: counts over a cohort |

@@ -11,23 +11,26 @@ use crate::spatial::Angle;
 const LENGTHS: [(&str, &str); 4] = [
     (
         "lateral_bow",
-        "lateral distance of a midpoint from the middle of its two neighbours, film's frame; subjects: film × inner vertebra",
+        "lateral distance of a midpoint from the middle of its two neighbours, film's frame; subjects: inner vertebrae on films",
     ),
-    ("spacing", "distance of neighbouring midpoints; subjects: film × pair of neighbours"),
+    ("spacing", "distance of neighbouring midpoints; subjects: pairs of neighbours on films"),
     (
         "location_y_as_paper",
-        "lateral coordinate of a midpoint, film's frame; subjects: film × vertebra, pooled as the paper did: correlations include the place of the film and the posture of the patient",
+        "lateral coordinate of a midpoint, film's frame; subjects: vertebrae on films, pooled as the paper did: correlations include the place of the film and the posture of the patient",
     ),
     (
         "location_z_as_paper",
-        "height of a midpoint, film's frame; subjects: film × vertebra, pooled as the paper did: correlations include the length of the spine and are near 1 for any observers",
+        "height of a midpoint, film's frame; subjects: vertebrae on films, pooled as the paper did: correlations include the length of the spine and are near 1 for any observers",
     ),
 ];
 const ANGLES: [(&str, &str); 2] = [
-    ("tilt_step", "tilt of a vertebra against the one below; subjects: film × pair of neighbours"),
+    (
+        "tilt_step",
+        "tilt of a vertebra against the one below; subjects: pairs of neighbours on films",
+    ),
     (
         "tilt_as_paper",
-        "tilt of a vertebra against the film; subjects: film × vertebra, pooled as the paper did: correlations include the posture of the patient",
+        "tilt of a vertebra against the film; subjects: vertebrae on films, pooled as the paper did: correlations include the posture of the patient",
     ),
 ];
 

@@ -89,7 +89,7 @@ pub enum Undefined {
     },
     /// The estimated variances add up to zero or less, so that their ratio is not a coefficient.
     #[error(
-        "the sum of the estimated variances is not positive: raters disagree more within than between subjects"
+        "the sum of the estimated variances is not positive: readings disagree more within than between subjects"
     )]
     VarianceNotPositive,
     /// The interval's equation has no finite solution.
@@ -98,7 +98,9 @@ pub enum Undefined {
     )]
     NoInterval,
     /// A mean over pairs that share raters has no simple interval.
-    #[error("the pairs share raters, so their mean has no simple interval; see the pairs")]
+    #[error(
+        "the pairs share observers or repeats, so their mean has no simple interval; see the pairs"
+    )]
     DependentPairs,
     /// A reading is not a finite number, or the numbers are too large to be squared.
     #[error("a reading is not a number, or too large to compute with")]

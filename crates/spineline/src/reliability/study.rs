@@ -78,16 +78,16 @@ pub enum Remark {
     },
     /// The variance between raters is estimated below zero.
     #[error(
-        "the raters' means differ by less than the random error explains: the variance between raters is estimated below zero and counts as zero in SEM and MDC95 for agreement, which equal those for consistency; the ICCs keep their published formula"
+        "the means of the observers, or of the repeats of one, differ by less than the random error explains: the variance between them is estimated below zero and counts as zero in SEM and MDC95 for agreement, which equal those for consistency; the ICCs keep their published formula"
     )]
     NoRaterVariance,
-    /// A coefficient is negative: raters differ more within subjects than between them. It is shown as it is.
+    /// A coefficient is negative: readings differ more within subjects than between them. It is shown as it is.
     #[error(
-        "the ICC is negative: raters differ more within subjects than subjects differ; it is reported unchanged"
+        "the ICC is negative: readings differ more within subjects than subjects differ; it is reported unchanged"
     )]
     NegativeIcc,
     /// All raters agree to the last digit, so the error's size is not known; rounding may hide it.
-    #[error("all raters agree exactly, so the error cannot be estimated")]
+    #[error("all readings agree exactly, so the error cannot be estimated")]
     PerfectAgreement,
     /// Two subjects make an interval without information.
     #[error("two subjects: the intervals are too wide to be informative")]
@@ -191,6 +191,14 @@ pub struct QuantityReliability {
     pub meaning: String,
     /// Between observers first, then within each.
     pub designs: Vec<DesignReliability>,
+}
+
+impl QuantityReliability {
+    /// The name in words, such as `tilt step`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        self.key.replace('_', " ")
+    }
 }
 
 /// Computes every statistic of every design of a table of readings.
