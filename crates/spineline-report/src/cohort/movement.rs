@@ -18,7 +18,7 @@ pub fn section(cohort: &Cohort) -> Section {
         distances_segments: all.all_distances_segments.clone(),
         rotations_deg: all.all_rotations_deg.clone(),
     };
-    match figures::inflection_distances(&[sample], false, cohort.synthetic) {
+    match figures::inflection_distances(&[sample], None, false, cohort.synthetic) {
         Some(svg) => {
             let caption =
                 "Inflection segments against the least-rotating segments (figure 6 of the paper).";

@@ -90,10 +90,12 @@ fn has_values(values: &[f64]) -> bool {
 }
 
 /// Distances of inflection segments from least-rotating ones and their rotations, like figure 6 of the paper. Groups without
-/// values are left out; `None` where no group has any. `with_paper` draws the paper's values beside them.
+/// values are left out; `None` where no group has any. The title names the one case that the samples are of. `with_paper` draws
+/// the paper's values beside them.
 #[must_use]
 pub fn inflection_distances(
     samples: &[InflectionSample],
+    case: Option<&str>,
     with_paper: bool,
     synthetic: bool,
 ) -> Option<String> {
@@ -106,9 +108,11 @@ pub fn inflection_distances(
     if samples.is_empty() {
         return None;
     }
-    let title = "Inflection segments and least-rotating segments";
+    let case = case.map_or_else(String::new, |id| format!(", case {id}"));
+    let title = format!("Inflection segments and least-rotating segments{case}");
     let mut page = Page::new(title, synthetic);
-    page.notes.push(format!("From the erect to all other postures. {RULE}"));
+    let n = "n counts both inflections on every film.";
+    page.notes.push(format!("From the erect to all other postures; {n} {RULE}"));
     for (sample, fill) in samples.iter().zip(FILLS.iter().cycle()) {
         let n = sample.distances_segments.iter().filter(|d| d.is_finite()).count();
         page.entry(Sample::Fill(fill), format!("{} (n = {n})", sample.name));
@@ -144,7 +148,7 @@ fn distance_bars(samples: &[&InflectionSample], with_paper: bool, frame_px: [f64
     let papers = if with_paper { &NEAR_SHARES_PERCENT[..] } else { &[] };
     let most = shares.iter().flatten().chain(papers).copied().fold(0.0, f64::max);
     let x = Axis::places("distance (segments)", BINS.len() as f64);
-    let mut panel = Panel::new(x, Axis::from_zero("share of cases (%)", most), frame_px);
+    let mut panel = Panel::new(x, Axis::from_zero("share (%)", most), frame_px);
     let width = 0.8 / samples.len().max(1) as f64;
     for (bin, (name, _)) in BINS.iter().enumerate() {
         panel.name_below(bin as f64 + 0.5, 0, vec![(*name).to_owned()], false);

@@ -201,12 +201,15 @@ pub fn movement(analysis: &Analysis) -> Section {
         );
         return section;
     }
+    let of_pairs = |p: &&FilmMovement| p.inflection_estimates.is_some();
+    let films = analysis.movement.films.iter().filter(of_pairs).count();
     let sample = InflectionSample {
-        name: "all films of this patient".to_owned(),
+        name: format!("both inflections on {}", counted(films, "film")),
         distances_segments: estimates.iter().map(|(.., e)| e.distance_segments as f64).collect(),
         rotations_deg: estimates.iter().map(|(.., e)| e.rotation.deg()).collect(),
     };
-    if let Some(svg) = figures::inflection_distances(&[sample], false, analysis.synthetic) {
+    let id = Some(analysis.case_id.as_str());
+    if let Some(svg) = figures::inflection_distances(&[sample], id, false, analysis.synthetic) {
         let caption =
             "Inflection segments against the least-rotating segments (figure 6 of the paper).";
         section.figure(Figure::new("inflections", caption, svg));

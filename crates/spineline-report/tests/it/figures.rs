@@ -113,7 +113,7 @@ fn figures(analysis: &Analysis) -> Vec<(String, String)> {
         ("rotations".to_owned(), rotations(analysis).expect("moved postures")),
         (
             "inflection-distances".to_owned(),
-            inflection_distances(&distances(), true, synthetic).expect("values"),
+            inflection_distances(&distances(), None, true, synthetic).expect("values"),
         ),
         (
             "location-errors".to_owned(),
@@ -236,7 +236,7 @@ fn an_erect_film_alone_has_an_overview_only() {
 
 #[test]
 fn samples_without_values_give_no_empty_panel() {
-    assert_eq!(inflection_distances(&[], true, true), None);
+    assert_eq!(inflection_distances(&[], None, true, true), None);
     assert_eq!(location_errors(&[], "no films", true), None);
     assert_eq!(least_rotating_estimates(&[], true), None);
     let without = |line| LocationErrorSample {
@@ -291,7 +291,8 @@ fn the_papers_means_stand_beside_ours_where_it_gives_them() {
         errors().into_iter().map(|sample| LocationErrorSample { paper: None, ..sample });
     let without = location_errors(&of_others.collect::<Vec<_>>(), "others", true).expect("values");
     assert!(with.contains(legend) && !without.contains(legend));
-    let [paper, alone] = [true, false].map(|with| inflection_distances(&distances(), with, true));
+    let [paper, alone] =
+        [true, false].map(|with| inflection_distances(&distances(), None, with, true));
     let (paper, alone) = (paper.expect("values"), alone.expect("values"));
     for legend in [legend, "the paper: share"] {
         assert!(paper.contains(legend) && !alone.contains(legend), "{legend}");

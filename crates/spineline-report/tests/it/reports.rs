@@ -500,6 +500,17 @@ fn a_cohort_report_has_every_section_and_counts_excluded_patients() {
 }
 
 #[test]
+fn the_figure_of_inflections_names_its_case_and_counts_films() {
+    let document = document(&named("P07"));
+    let figure = document.figures().find(|figure| figure.name == "inflections");
+    let svg = &figure.expect("a figure").svg;
+    // Five films: both inflections move from the erect film to four others.
+    assert!(svg.contains("least-rotating segments, case P07"), "{svg}");
+    assert!(svg.contains("both inflections on 4 films (n = 8)"), "{svg}");
+    assert!(svg.contains("share (%)") && !svg.contains("share of cases"), "{svg}");
+}
+
+#[test]
 fn figures_are_converted_to_png() {
     for figure in document(&case(0)).figures() {
         let pixels = png(&figure.svg, 0.5).expect("it is an SVG");

@@ -50,7 +50,7 @@ pub fn write(
             rotations_deg: run.cohort.inflection[0].all_rotations_deg.clone(),
         })
         .collect();
-    let distances = figures::inflection_distances(&inflections, true, synthetic);
+    let distances = figures::inflection_distances(&inflections, None, true, synthetic);
     save("figure-06-inflections".to_owned(), distances)?;
     for support in [Support::Free, Support::Frontal] {
         let runs: Vec<&Run> = runs.iter().filter(|run| run.support == support).collect();
