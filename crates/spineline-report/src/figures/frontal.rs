@@ -193,12 +193,10 @@ pub fn frontal_panel(extent: Extent, px_per_mm: f64, base: Level) -> Panel {
     let step =
         [5.0, 10.0, 20.0, 50.0, 100.0, 200.0].into_iter().find(|step| step * px_per_mm >= 46.0);
     let step = step.unwrap_or(500.0);
-    let axis = |label: &str, range, ticks| Axis { label: label.to_owned(), range, step, ticks };
-    let mut panel = Panel::new(
-        axis("lateral (mm)", extent.x_mm, Ticks::Sides),
-        axis(&format!("cranial of {base} (mm)"), extent.z_mm, Ticks::Numbers),
-        [extent.width_mm() * px_per_mm, extent.height_mm() * px_per_mm],
-    );
+    let frame_px = [extent.width_mm() * px_per_mm, extent.height_mm() * px_per_mm];
+    let x = Axis::sides("lateral (mm)", extent.x_mm, step, frame_px[0]);
+    let y = Axis::numbers(format!("cranial of {base} (mm)"), extent.z_mm, step);
+    let mut panel = Panel::new(x, y, frame_px);
     panel.corners = Some(["LEFT", "RIGHT"]);
     panel.boxed = true;
     panel

@@ -18,6 +18,10 @@ use super::style::{
 /// The attribute of the group that a picture goes into.
 pub const PICTURE_SLOT: &str = "data-layer=\"picture\" data-slot=";
 
+/// The mark of a tick below the frame.
+const TICK: Ink = Ink::new(BLACK, "", 1.0);
+const TICK_MARK_PX: f64 = 5.0;
+
 /// A label may reach this far beyond its frame.
 const EDGE_PX: f64 = 6.0;
 
@@ -68,30 +72,60 @@ impl Axis {
         Self { label: label.to_owned(), range: [0.0, count], step: 1.0, ticks: Ticks::None }
     }
 
-    /// Labels of the ticks. A label of a distance that would reach beyond its frame is left out: a neighbour stands there.
-    fn format(&self, frame_px: f64) -> TickFormat {
-        let places = (-self.step.log10() - 1e-9).ceil().max(0.0) as usize;
+    /// Distances to the patient's sides, in a frame of this width. The step is smaller where fewer than two labels beside 0 have
+    /// room.
+    pub fn sides(label: &str, range: [f64; 2], step: f64, frame_px: f64) -> Self {
+        const SMALLER: [f64; 11] = [100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0];
+        /// Room for a label and a gap.
+        const APART_PX: f64 = 36.0;
+        let with = |step| Self { label: label.to_owned(), range, step, ticks: Ticks::Sides };
+        let px_per_unit = frame_px / (range[1] - range[0]);
+        let fits = |smaller: &f64| *smaller < step && smaller * px_per_unit >= APART_PX;
+        let beside_zero =
+            |axis: &Self| axis.side_ticks(frame_px).iter().filter(|(x, _)| *x != 0.0).count();
+        let mut axes = [step].into_iter().chain(SMALLER.into_iter().filter(fits)).map(with);
+        axes.find(|axis| beside_zero(axis) >= 2).unwrap_or_else(|| with(step))
+    }
+
+    /// Ticks of distances to the patient's sides with their labels. A tick whose label would reach beyond its frame is left
+    /// out: a neighbour stands there.
+    fn side_ticks(&self, frame_px: f64) -> Vec<(f64, String)> {
+        let ([from, to], places) = (self.range, self.decimals());
+        let px_per_unit = frame_px / (to - from);
+        // An endless range has no ticks.
+        if self.step * px_per_unit < 1.0 {
+            return Vec::new();
+        }
+        let tick = |i: i32| {
+            let x = f64::from(i) * self.step;
+            let side = match i.signum() {
+                0 => "",
+                1 => " R",
+                _ => " L",
+            };
+            (x, format!("{}{side}", fixed(x.abs(), places)))
+        };
+        let has_room = |(x, label): &(f64, String)| {
+            let room_px = (x - from).min(to - x) * px_per_unit + EDGE_PX;
+            0.5 * text_width_px(label, TICK_PX) <= room_px
+        };
+        let [first, last] = [(from / self.step).ceil(), (to / self.step).floor()];
+        (first as i32..=last as i32).map(tick).filter(has_room).collect()
+    }
+
+    /// Decimal places of the step.
+    fn decimals(&self) -> usize {
+        (-self.step.log10() - 1e-9).ceil().max(0.0) as usize
+    }
+
+    /// Labels of the ticks that kuva draws.
+    fn format(&self) -> TickFormat {
+        let places = self.decimals();
         match self.ticks {
             Ticks::Numbers => TickFormat::Custom(Arc::new(move |x| fixed(x, places))),
-            Ticks::Sides => {
-                let [from, to] = self.range;
-                let px_per_unit = frame_px / (to - from);
-                TickFormat::Custom(Arc::new(move |x| {
-                    let side = match x {
-                        0.0 => "",
-                        x if x < 0.0 => " L",
-                        _ => " R",
-                    };
-                    let label = format!("{}{side}", fixed(x.abs(), places));
-                    let room_px = (x - from).min(to - x) * px_per_unit + EDGE_PX;
-                    if 0.5 * text_width_px(&label, TICK_PX) > room_px {
-                        String::new()
-                    } else {
-                        label
-                    }
-                }))
+            Ticks::Sides | Ticks::Blank | Ticks::None => {
+                TickFormat::Custom(Arc::new(|_| String::new()))
             }
-            Ticks::Blank | Ticks::None => TickFormat::Custom(Arc::new(|_| String::new())),
         }
     }
 }
@@ -341,8 +375,8 @@ impl Panel {
             .with_y_axis_max(self.y.range[1])
             .with_x_tick_step(self.x.step)
             .with_y_tick_step(self.y.step)
-            .with_x_tick_format(self.x.format(self.frame_px[0]))
-            .with_y_tick_format(self.y.format(self.frame_px[1]))
+            .with_x_tick_format(self.x.format())
+            .with_y_tick_format(self.y.format())
             .with_tick_size(TICK_PX)
             .with_theme(Theme { grid_color: PALE.to_owned(), ..Theme::light() });
         if self.boxed {
@@ -351,7 +385,9 @@ impl Panel {
         if self.x.ticks == Ticks::None {
             layout = layout.with_x_categories(Vec::new());
         }
-        layout.suppress_y_ticks = !self.y_written;
+        // Ticks to the sides stand where their labels have room.
+        layout.suppress_x_ticks = matches!(self.x.ticks, Ticks::Sides | Ticks::Blank);
+        layout.suppress_y_ticks = !self.y_written || self.y.ticks == Ticks::Blank;
         layout
     }
 
@@ -382,6 +418,14 @@ impl Panel {
             } else {
                 text(at, &name.text, TICK_PX, TextAnchor::Middle)
             });
+        }
+        if self.x.ticks == Ticks::Sides {
+            for (x, label) in self.x.side_ticks(width) {
+                let at = self.px(x, 0.0).0;
+                drawn.push(TICK.stroke((at, height), (at, height + TICK_MARK_PX)));
+                let below = (at, height + line_px(TICK_PX));
+                drawn.push(text(below, &label, TICK_PX, TextAnchor::Middle));
+            }
         }
         let below = (0.5 * width, height + room.bottom - 6.0);
         drawn.push(text(below, &self.x.label, LABEL_PX, TextAnchor::Middle));
@@ -414,5 +458,23 @@ fn renamed(def: &str, id: &str) -> String {
     match (parts.next(), parts.next(), parts.next()) {
         (Some(head), Some(_), Some(tail)) => format!("{head}\"{id}\"{tail}"),
         _ => def.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_narrow_frame_has_a_label_on_both_sides_and_no_tick_without_one() {
+        let labels = |range, step, frame_px| -> Vec<String> {
+            let axis = Axis::sides("lateral (mm)", range, step, frame_px);
+            axis.side_ticks(frame_px).into_iter().map(|(_, label)| label).collect()
+        };
+        // Labels at 50 mm would reach beyond the frame.
+        assert_eq!(labels([-55.0, 55.0], 50.0, 114.0), ["40 L", "0", "40 R"]);
+        assert_eq!(labels([-20.0, 90.0], 50.0, 114.0), ["0", "40 R", "80 R"]);
+        // The step stays where its labels have room; the ends have no tick.
+        assert_eq!(labels([-100.0, 100.0], 50.0, 400.0), ["50 L", "0", "50 R"]);
     }
 }
