@@ -6,7 +6,7 @@ use super::arrows::arrow;
 use super::page::Page;
 use super::panel::{Axis, Panel};
 use super::style::{
-    BLACK, BLUE, Ink, LABEL_PX, NOTE_PX, SKY, bold, line_px, outlined, text, wrapped,
+    BLACK, BLUE, Ink, LABEL_PX, NOTE_PX, SKY, bold, line_px, outlined, text, text_width_px, wrapped,
 };
 
 /// Patients per Lenke type, one bar each; `None` without patients.
@@ -56,6 +56,10 @@ pub struct FlowStep {
 pub fn exclusions(steps: &[FlowStep], synthetic: bool) -> String {
     const BOX_PX: f64 = 300.0;
     const WIDE_PX: f64 = 430.0;
+    /// From a box to its reasons.
+    const ARROW_PX: f64 = 42.0;
+    /// The narrowest page, at which a report does not enlarge its letters much.
+    const NARROW_PX: f64 = 640.0;
     let mut page = Page::new("Flow of cases and exclusions", synthetic);
     let reasons: Vec<Vec<String>> = steps
         .iter()
@@ -69,6 +73,9 @@ pub fn exclusions(steps: &[FlowStep], synthetic: bool) -> String {
         .map(|lines| 84.0_f64.max(lines.len() as f64 * line_px(NOTE_PX) + 30.0))
         .collect();
     let height: f64 = row_px.iter().sum();
+    let reasons_px = reasons.iter().flatten().map(|line| ARROW_PX + text_width_px(line, NOTE_PX));
+    let wide_px = BOX_PX + reasons_px.fold(0.0, f64::max);
+    page.width_px = NARROW_PX.max(wide_px + page.width_px - page.inner_px() + 20.0);
     let mut panel = Panel::bare([page.inner_px() - 20.0, height]);
     let ink = Ink::new(BLACK, "", 1.3);
     let mut y = 0.0;
@@ -93,7 +100,7 @@ pub fn exclusions(steps: &[FlowStep], synthetic: bool) -> String {
         }
         let first = centre - 0.5 * lines.len() as f64 * line_px(NOTE_PX) + 13.0;
         for (j, line) in lines.iter().enumerate() {
-            let at = (BOX_PX + 42.0, first + j as f64 * line_px(NOTE_PX));
+            let at = (BOX_PX + ARROW_PX, first + j as f64 * line_px(NOTE_PX));
             panel.marks.push(text(at, line, NOTE_PX, TextAnchor::Start));
         }
         y += row;

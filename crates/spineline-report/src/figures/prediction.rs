@@ -47,8 +47,10 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
     };
     let extent = Extent::of(films.iter().flat_map(|(film, _)| measured(film)));
     let axes: Vec<bool> = (0..films.len()).map(|i| i == 0).collect();
-    let cell_px = frame_px(page.inner_px(), &axes, films.len());
+    // One film alone is as wide as one of two.
+    let cell_px = frame_px(page.inner_px(), &axes, films.len().max(2));
     let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
+    let extent = extent.at_least_wide(cell_px / px_per_mm);
     let mut panels = Vec::new();
     for (film, bands) in films {
         let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());

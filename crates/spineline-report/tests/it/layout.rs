@@ -2,6 +2,7 @@
 
 use spineline::anatomy::Posture;
 use spineline_report::document::{Column, Section, Table};
+use spineline_report::figures::FlowStep;
 use spineline_report::{Document, figures, html};
 
 use crate::common::{GENERATOR, analyzed, exact_rod, report, rod_with_films};
@@ -36,6 +37,37 @@ fn films_fill_the_page_whatever_their_number() {
             assert!(same, "{count} films: {frames:?}");
         }
     }
+}
+
+#[test]
+fn predicted_films_fill_the_row() {
+    let svg = figures::predictions(&analyzed(&exact_rod(1))).expect("bends");
+    let frames = frames_px(&svg);
+    let row: f64 = frames.iter().map(|[width, _]| width).sum();
+    assert!(frames.len() == 2 && row > 0.8 * PAGE_PX, "{frames:?}");
+    // Both sides of both films have a number.
+    for side in [" L<", " R<"] {
+        assert!(svg.matches(side).count() >= 2, "{side}: {svg}");
+    }
+}
+
+#[test]
+fn the_flow_of_cases_is_as_wide_as_its_reasons() {
+    let step = |lost: &[(&str, usize)]| FlowStep {
+        name: "analysed".to_owned(),
+        cases: 3,
+        lost: lost.iter().map(|&(why, n)| (why.to_owned(), n)).collect(),
+    };
+    let width_px = |svg: &str| -> f64 {
+        let tail = svg.split_once(" viewBox=\"0 0 ").expect("a size").1;
+        tail.split(' ').next().and_then(|word| word.parse().ok()).expect("a width")
+    };
+    let bare = width_px(&figures::exclusions(&[step(&[]), step(&[])], false));
+    let why = [("no line of action on any bend, and a long reason beside it", 1)];
+    let wide = width_px(&figures::exclusions(&[step(&why), step(&[])], false));
+    // A box has 300 px, and a line of a reason at most 430 px.
+    assert!((600.0..700.0).contains(&bare), "{bare}");
+    assert!((700.0..PAGE_PX).contains(&wide), "{wide}");
 }
 
 #[test]
