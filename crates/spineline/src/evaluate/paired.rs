@@ -11,7 +11,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::function::gamma::ln_gamma;
 
-use super::statistics::Summary;
+use super::statistics::{Summary, ranked};
 
 /// A sign-flip test enumerates all arrangements up to this number of patients: half a million sums.
 pub const EXACT_UP_TO: usize = 20;
@@ -39,7 +39,7 @@ pub(crate) fn least_p(n: usize) -> f64 {
 /// # Definition
 /// If two lines predict alike, the difference of a patient has either sign with the same probability. Of all `2^n` choices
 /// of signs, `p` is the part with `|Σ ± d| ≥ |Σ d|`. Up to [`EXACT_UP_TO`] patients all are counted; beyond, they are drawn
-/// from the seed. It assumes that differences are symmetric about zero, not that they are normal.
+/// from the seed for the sorted differences, so that the order of the patients does not change `p`. It assumes that differences are symmetric about zero, not that they are normal.
 ///
 /// With `n` patients `p` cannot fall below `2 / 2^n`: five patients cannot reach 0.05.
 ///
@@ -50,6 +50,7 @@ pub(crate) fn least_p(n: usize) -> f64 {
 /// ```
 #[must_use]
 pub fn sign_flip(differences: &[f64], seed: u64) -> Option<SignFlip> {
+    let differences = &ranked(differences);
     let n = differences.len();
     let size: f64 = differences.iter().map(|d| d.abs()).sum();
     if n < 2 || size.is_nan() {
@@ -321,6 +322,13 @@ mod tests {
         let sd = (tail * (1.0 - tail) / f64::from(DRAWN)).sqrt();
         assert!((test.p_two_sided - tail).abs() < 4.0 * sd);
         assert_eq!(sign_flip(&differences, 7), Some(test));
+    }
+
+    #[test]
+    fn a_permuted_cohort_has_an_identical_probability() {
+        let differences: Vec<f64> = (0..31).map(|i| (f64::from(i) * 0.7).sin() + 0.2).collect();
+        let permuted: Vec<f64> = (0..31).map(|i| differences[(7 * i + 2) % 31]).collect();
+        assert_eq!(sign_flip(&permuted, 7), sign_flip(&differences, 7));
     }
 
     #[test]

@@ -185,11 +185,21 @@ fn central_95(mut values: Vec<f64>) -> [f64; 2] {
     [0.025, 0.975].map(|part| quantile(&values, part))
 }
 
+/// Numbers in an order that their values give. The negatives of numbers have the negatives in the same order, and so the mirrored interval.
+pub(super) fn ranked(numbers: &[f64]) -> Vec<f64> {
+    let mut ranked = numbers.to_vec();
+    ranked.sort_by(f64::total_cmp);
+    if ranked.iter().sum::<f64>() < 0.0 {
+        ranked.reverse();
+    }
+    ranked
+}
+
 /// Percentile intervals by resampling whole clusters (patients) with a stated seed.
 ///
 /// Every resample draws as many clusters as there are, with replacement, and takes the mean of the cluster means, so
-/// that a patient counts once however many values there are. Which clusters it draws is the same for all samples of as many
-/// clusters. `None` for fewer than [`Resampling::FEWEST`] clusters.
+/// that a patient counts once however many values there are. It draws ranks of the cluster means, so that the order of the clusters does not
+/// change an interval. The ranks are the same for all samples of as many clusters. `None` for fewer than [`Resampling::FEWEST`] clusters.
 #[derive(Debug, Clone, Copy)]
 pub struct Resampling {
     resamples: u32,
@@ -230,7 +240,7 @@ impl Resampling {
         sizes.dedup();
         for n in sizes.into_iter().filter(|&n| n >= Self::FEWEST) {
             let alike: Vec<usize> = (0..samples.len()).filter(|&i| samples[i].len() == n).collect();
-            let means: Vec<&[f64]> = alike.iter().map(|&i| samples[i]).collect();
+            let means: Vec<Vec<f64>> = alike.iter().map(|&i| ranked(samples[i])).collect();
             for (&place, sums) in alike.iter().zip(self.sums(&means, n)) {
                 let drawn = sums.into_iter().map(|sum| sum / n as f64);
                 found[place] = Some(central_95(drawn.collect()));
@@ -247,13 +257,16 @@ impl Resampling {
         if n < Self::FEWEST || below.len() != n {
             return None;
         }
+        let mut pairs: Vec<(f64, f64)> = above.iter().copied().zip(below.iter().copied()).collect();
+        pairs.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.total_cmp(&other.1)));
+        let (above, below): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
         let sums = self.sums(&[above, below], n);
         let ends = central_95(sums[0].iter().zip(&sums[1]).map(|(a, b)| a / b).collect());
         ends.iter().all(|end| end.is_finite()).then_some(ends)
     }
 
     /// By sample of `n` means: the sum of those that each resample draws.
-    fn sums(&self, samples: &[&[f64]], n: usize) -> Vec<Vec<f64>> {
+    fn sums(&self, samples: &[Vec<f64>], n: usize) -> Vec<Vec<f64>> {
         let mut rng = ChaCha12Rng::seed_from_u64(self.seed);
         let resamples = self.resamples as usize;
         let mut all = vec![Vec::with_capacity(resamples); samples.len()];
@@ -429,6 +442,22 @@ mod tests {
         assert_eq!(together[..2], [alone(&means), alone(&means[1..])]);
         assert_eq!(together[2], together[0].map(|[low, high]| [-high, -low]));
         assert_eq!(together[3], None);
+    }
+
+    #[test]
+    fn a_permuted_cohort_has_identical_intervals() {
+        let means: Vec<f64> = (0..14).map(|i| (f64::from(i) * 1.7).sin()).collect();
+        let below: Vec<f64> = (0..14).map(|i| 2.0 + (f64::from(i) * 0.9).cos()).collect();
+        let resampling = Resampling::new(2000, 1);
+        let found = |order: &[usize]| {
+            let [above, below] = [&means, &below]
+                .map(|numbers| order.iter().map(|&place| numbers[place]).collect::<Vec<f64>>());
+            (resampling.interval(&above), resampling.ratio_interval(&above, &below))
+        };
+        let as_given: Vec<usize> = (0..14).collect();
+        let permuted: Vec<usize> = (0..14).map(|i| (5 * i + 3) % 14).collect();
+        assert!(found(&as_given).0.is_some() && found(&as_given).1.is_some());
+        assert_eq!(found(&permuted), found(&as_given));
     }
 
     #[test]
