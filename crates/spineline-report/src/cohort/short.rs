@@ -2,7 +2,7 @@
 
 use spineline::analysis::FilmRole;
 use spineline::cohort::{
-    BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison, enough_words,
+    BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison, too_few_words,
 };
 use spineline::evaluate::statistics::Resampling;
 use spineline::warning::counted;
@@ -75,7 +75,10 @@ fn sure(cohort: &Cohort) -> String {
         .collect();
     let lines = match (compared.is_empty(), better.is_empty()) {
         (true, _) => "No two lines with equally many numbers from each film are tested on films that were not fitted.".to_owned(),
-        (false, true) if compared.iter().all(|test| test.holm_p.is_none()) => too_few("which line predicts better", cohort.compared.family()),
+        (false, true) if compared.iter().all(|test| test.holm_p.is_none()) => {
+            let comparisons = compared.iter().map(|test| &test.comparison);
+            too_few("which line predicts better", cohort.compared.family(), comparisons)
+        }
         (false, true) => "Lines with equally many numbers from each film do not differ significantly on films that were not fitted.".to_owned(),
         (false, false) => format!("With equally many numbers from each film, {}.", better.join("; ")),
     };
@@ -90,7 +93,9 @@ fn sure(cohort: &Cohort) -> String {
         (true, _) => String::new(),
         (false, true) if against.iter().all(|test| test.holm_p.is_none()) => {
             let family = cohort.baselines.family();
-            format!(" {}", too_few("lines against predictions without mechanics", family))
+            let comparisons = against.iter().map(|test| &test.comparison);
+            let question = "lines against predictions without mechanics";
+            format!(" {}", too_few(question, family, comparisons))
         }
         (false, true) => {
             " No line is significantly better than the best prediction without mechanics from as many numbers."
@@ -107,8 +112,12 @@ fn sure(cohort: &Cohort) -> String {
 }
 
 /// A question that a family of tests of as many patients cannot answer, whatever the differences are.
-fn too_few(question: &str, tests: usize) -> String {
-    format!("Too few patients to test {question}: {}.", enough_words(tests))
+fn too_few<'a>(
+    question: &str,
+    tests: usize,
+    untested: impl Iterator<Item = &'a PairedComparison>,
+) -> String {
+    format!("Too few patients to test {question}: {}.", too_few_words(tests, untested))
 }
 
 /// The tests of every line against the best predictions without mechanics on films of this role, without and with the tilt of the top.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Display;
 
-use super::comparison::{ComparisonOutcome, corrected_by_holm, enough_words};
+use super::comparison::{ComparisonOutcome, corrected_by_holm, too_few_words};
 use super::others::Seen;
 use super::patient::CohortPatient;
 use super::patients::Patients;
@@ -264,12 +264,16 @@ impl BaselinesOverPatients {
             ));
             all.extend(self.tests_against(best).filter_map(line_sentence));
             let is_tested = self.tests_against(best).any(|test| test.holm_p.is_some());
+            let compared = || {
+                let tests = self.tests_against(best).map(|test| &test.comparison);
+                tests.filter(|comparison| comparison.is_compared())
+            };
             let mut tests = self.tests_against(best);
-            if !is_tested && tests.any(|test| test.comparison.is_compared()) {
+            if !is_tested && compared().next().is_some() {
                 all.push(format!(
                     "Too few patients to test the lines against {}: {}.",
                     best.by,
-                    enough_words(self.family())
+                    too_few_words(self.family(), compared())
                 ));
             } else if is_tested && !tests.any(|test| test.is_fair() && test.is_better()) {
                 all.push(format!(

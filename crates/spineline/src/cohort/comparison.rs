@@ -108,8 +108,19 @@ pub fn enough_words(tests: usize) -> String {
     let needs = if tests == 1 { "needs" } else { "need" };
     (2..=EXACT_UP_TO).find(is_enough).map_or_else(
         || format!("no number of patients is enough for {family}"),
-        |n| format!("{family} {needs} {n} patients"),
+        |n| format!("{family} {needs} {n} patients with films that both predict"),
     )
+}
+
+/// Why comparisons of a family of this number of tests are not tested: the number of patients that are enough, and the largest number that a
+/// comparison has.
+#[must_use]
+pub fn too_few_words<'a>(
+    tests: usize,
+    untested: impl IntoIterator<Item = &'a PairedComparison>,
+) -> String {
+    let most = untested.into_iter().map(PairedComparison::patients).max().unwrap_or_default();
+    format!("{}; here at most {most} have them", enough_words(tests))
 }
 
 #[cfg(test)]
@@ -136,9 +147,16 @@ mod tests {
         let family = |patients: usize| vec![comparison(&vec![1.0; patients]); 18];
         assert!(corrected_by_holm(&family(9)).iter().all(Option::is_none));
         assert_eq!(corrected_by_holm(&family(10)), [Some(18.0 / 512.0); 18]);
-        assert_eq!(enough_words(18), "18 tests need 10 patients");
+        let both = "patients with films that both predict";
+        assert_eq!(enough_words(18), format!("18 tests need 10 {both}"));
+        // 30 · 2/1024 is above 0.05. The number of patients who have the films counts, whatever the number of patients of the cohort.
+        let mut thirty = vec![comparison(&[1.0; 10]); 30];
+        thirty[4] = comparison(&[1.0; 7]);
+        let words = too_few_words(30, &thirty);
+        assert_eq!(words, format!("30 tests need 11 {both}; here at most 10 have them"));
+        assert!(words.len() <= 100, "{words}");
         // One test needs six patients: 2/32 is above 0.05.
-        assert_eq!(enough_words(1), "1 test needs 6 patients");
+        assert_eq!(enough_words(1), format!("1 test needs 6 {both}"));
         // Without a difference the p value is 1, which is a result.
         let mut mixed = family(10);
         mixed[3] = comparison(&[0.0; 10]);

@@ -25,7 +25,7 @@ mod workers;
 
 pub use baselines::{BaselineTest, BaselinesOverPatients, PredictionErrors};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
-pub use comparison::{ComparisonOutcome, PairedComparison, enough_words};
+pub use comparison::{ComparisonOutcome, PairedComparison, enough_words, too_few_words};
 pub use films::{ChainCount, DoubtedFilm};
 pub use known_patients::{KnownPatients, PatientMarks, SamePatient};
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, RoleErrors};

@@ -3,7 +3,7 @@
 use super::films::{chains_sentence, doubted_sentence};
 use super::{
     Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, PairedComparison, RoleErrors,
-    enough_words,
+    too_few_words,
 };
 use crate::analysis::{FilmRole, Ranking, listed};
 use crate::evaluate::statistics::PairedT;
@@ -95,12 +95,12 @@ impl LinesOverPatients {
             ));
         }
         all.extend(self.no_prediction_sentences());
-        let too_few = compared().filter(|test| test.holm_p.is_none());
-        let differences: Vec<String> = too_few.map(difference).collect();
+        let too_few = || compared().filter(|test| test.holm_p.is_none());
+        let differences: Vec<String> = too_few().map(difference).collect();
         if !differences.is_empty() {
             all.push(format!(
                 "Too few patients for any p to be significant ({}); the differences, without statistical evidence: {}.",
-                enough_words(family),
+                too_few_words(family, too_few().map(|test| &test.comparison)),
                 differences.join("; ")
             ));
         }
