@@ -1,7 +1,7 @@
 //! The analysis of a patient in three sentences.
 
-use super::comparison::{FilmRole, LinesCompared};
-use super::verdict::{listed, mirrored_words};
+use super::comparison::{FilmPredictor, FilmRole, LinesCompared};
+use super::verdict::{line_with_numbers, listed, mirrored_words};
 use super::{Analysis, LineModel, MultiplierVerdict};
 use crate::action::LineKind;
 use crate::number::fixed;
@@ -143,7 +143,8 @@ impl LinesCompared {
                 format!("{line}; without mechanics {} mm ({baseline}).", fixed(without_mm, 1))
             }
             Some((baseline, without_mm)) => format!(
-                "No line with one number per film predicts {films} better than without mechanics: {kind} {} mm, {baseline} {} mm.{}",
+                "No {} predicts {films} better than without mechanics: {kind} {} mm, {baseline} {} mm.{}",
+                line_with_numbers(self.per_predicted_film(FilmPredictor::Line(kind))),
                 fixed(mm, 1),
                 fixed(without_mm, 1),
                 mirrored_words(baseline)

@@ -68,7 +68,7 @@ pub use personalised_model::{FilmLoad, PersonalisedModel, SimulationError};
 pub use result::Analysis;
 pub use standing::{AxialSource, PitchSource};
 pub use template::{ProfileVertebra, TemplateError};
-pub(crate) use verdict::listed;
+pub(crate) use verdict::{listed, no_prediction_words};
 
 use crate::anatomy::{Posture, named};
 use crate::measure::{Film, LateralFilm};

@@ -431,13 +431,9 @@ impl LinesCompared {
 
     /// That no line predicts the films of a ranking, and by which limit.
     pub(super) fn no_prediction_words(&self, ranking: &Ranking) -> String {
-        let (kind, mm) = ranking.best();
-        format!(
-            "No line predicts {}: the smallest error, with the {kind}, is {} mm, above the limit of {} mm.",
-            self.ranked_films_words(ranking),
-            fixed(mm, 1),
-            fixed(Ranking::MAX_PREDICTED_MM, 0)
-        )
+        let best = ranking.best();
+        let numbers = self.per_predicted_film(FilmPredictor::Line(best.0));
+        no_prediction_words(numbers, &self.ranked_films_words(ranking), best)
     }
 
     /// The films of a ranking, after "on".
@@ -450,6 +446,28 @@ impl LinesCompared {
             format!("{films} ({shared} of {all}, which all of these lines predict)")
         }
     }
+}
+
+/// "line with one number per film": the lines that take this count of numbers from a predicted film.
+pub(super) fn line_with_numbers(per_film: usize) -> String {
+    match per_film {
+        1 => "line with one number per film".to_owned(),
+        several => format!("line with {several} numbers per film"),
+    }
+}
+
+/// That no line with this count of numbers per film predicts films, and by which limit.
+pub(crate) fn no_prediction_words(
+    per_film: usize,
+    films: &str,
+    (kind, mm): (LineKind, f64),
+) -> String {
+    format!(
+        "No {} predicts {films}: the smallest mean error, with the {kind}, is {} mm, above the limit of {} mm.",
+        line_with_numbers(per_film),
+        fixed(mm, 1),
+        fixed(Ranking::MAX_PREDICTED_MM, 0)
+    )
 }
 
 /// "a", "a and b", "a, b and c".

@@ -5,7 +5,7 @@ use super::{
     Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, PairedComparison, RoleErrors,
     too_few_words,
 };
-use crate::analysis::{FilmRole, Ranking, listed};
+use crate::analysis::{FilmRole, Ranking, listed, no_prediction_words};
 use crate::evaluate::statistics::PairedT;
 use crate::number::{fixed, interval, probability, signed};
 use crate::warning::counted;
@@ -125,23 +125,18 @@ impl LinesOverPatients {
 
     /// Kinds of films on which the mean error of every line with fewest parameters per film is above the limit of a prediction.
     fn no_prediction_sentences(&self) -> Vec<String> {
-        let few = self.numbers.iter().map(|(_, free)| free.per_predicted_film).min();
+        let numbers = self.numbers.iter().map(|(_, free)| free.per_predicted_film);
+        let Some(few) = numbers.min() else { return Vec::new() };
         let is_fair = |errors: &&RoleErrors| {
             let own = self.numbers.iter().find(|(kind, _)| *kind == errors.kind);
-            errors.films > 0 && own.map(|(_, free)| free.per_predicted_film) == few
+            errors.films > 0 && own.is_some_and(|(_, free)| free.per_predicted_film == few)
         };
         let of_role = |role| {
             let fair = self.of_role(role).filter(is_fair);
-            let best = fair.min_by(|a, b| a.mean_location_mm().total_cmp(&b.mean_location_mm()))?;
-            (best.mean_location_mm() > Ranking::MAX_PREDICTED_MM).then(|| {
-                format!(
-                    "No line with fewest parameters predicts {}: the smallest mean error, with the {}, is {} mm, above the limit of {} mm.",
-                    role.films_words(),
-                    best.kind,
-                    fixed(best.mean_location_mm(), 1),
-                    fixed(Ranking::MAX_PREDICTED_MM, 0)
-                )
-            })
+            let errors = fair.map(|errors| (errors.kind, errors.mean_location_mm()));
+            let best = errors.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            (best.1 > Ranking::MAX_PREDICTED_MM)
+                .then(|| no_prediction_words(few, role.films_words(), best))
         };
         FilmRole::PREDICTED.into_iter().filter_map(of_role).collect()
     }
