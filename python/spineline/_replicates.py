@@ -47,12 +47,14 @@ class Spread:
     sd: float | None
     """Standard deviation; None for a multiplier, and of a single replicate."""
     quantiles: tuple[float, float, float, float, float] | None
-    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None if fewer than 40 replicates have the number, at a bound of the fit, and
-    for distances, absolute errors and counter-rotating joints, which any noise makes larger."""
+    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None if fewer than 40 replicates have the number, where it or an end
+    is at a bound of the fit, and for distances, absolute errors and counter-rotating joints, which any noise makes larger."""
     grows_with_noise: bool
     """Whether any noise makes the number larger, so that it has no interval: distances, absolute errors and counter-rotating joints."""
     at_bound: bool
-    """Whether the value is at a bound of the fit: the films do not identify it, and it has no interval."""
+    """Whether bounds of the fit determine the value or an end of its interval: the films do not identify it, and it has no interval."""
+    replicates_at_bound: int
+    """Replicates in which bounds of the fit determine it: its bound, or the bounds of all other multipliers."""
     count: int
     """Replicates that have the number."""
 
@@ -124,15 +126,15 @@ class Replicates(Mapping[str, Spread]):
         Raises
         ------
         InputError
-            If the name is unknown, the number is at a bound of the fit, fewer than 40 replicates have it, or it is a distance,
+            If the name is unknown, the number or an end is at a bound of the fit, fewer than 40 replicates have it, or it is a distance,
             an absolute error or a number of joints: any noise makes these larger, so an interval would be too high.
         """
         found = self[name]
         quantiles = found.quantiles
         if found.at_bound:
             raise InputError(
-                f"`{name}` has no interval: it is at a bound of the fit, and the films do not identify it",
-                help="look at `at_bound` and `value`",
+                f"`{name}` has no interval: it is at a bound of the fit in {found.replicates_at_bound} of {found.count} replicates, and the films do not identify it",
+                help="look at `value` and `replicates_at_bound`",
             )
         if found.grows_with_noise:
             raise InputError(

@@ -121,6 +121,7 @@ impl Replicates {
                 // Without an interval, quantiles are left out too.
                 quantiles: one.interval_95().and(one.spread).map(|spread| spread.quantiles),
                 at_bound: one.at_bound,
+                replicates_at_bound: one.replicates_at_bound,
                 grows_with_noise: one.quantity.kind.grows_with_noise(),
                 count: one.count,
             };
@@ -241,6 +242,7 @@ struct Numbers {
     sd: Option<f64>,
     quantiles: Option<[f64; 5]>,
     at_bound: bool,
+    replicates_at_bound: u64,
     grows_with_noise: bool,
     count: u64,
 }

@@ -42,15 +42,20 @@ fn spread(add: &mut Columns<'_, SpreadRow<'_>>) {
     add.interval(
         ["interval_95_low", "interval_95_high"],
         [
-            "2.5 % quantile; empty where fewer than 40 replicates have a value, at a bound of the fit, and for distances, absolute errors and counter-rotating joints, which any noise makes larger",
+            "2.5 % quantile; empty where fewer than 40 replicates have a value, where it or an end is at a bound of the fit, and for distances, absolute errors and counter-rotating joints, which any noise makes larger",
             "97.5 % quantile, likewise",
         ],
         |row| row.interval_95(),
     );
     add.truth(
         "at_bound",
-        "whether the value is at a bound of the fit, and so not identified",
+        "whether bounds of the fit determine the value or an end of its interval, which is then not identified",
         |row| row.at_bound,
+    );
+    add.count(
+        "replicates_at_bound",
+        "number of replicates in which bounds of the fit determine it",
+        |row| row.replicates_at_bound as usize,
     );
     add.count("replicates", "number of replicates with a value", |row| row.count as usize);
 }

@@ -72,13 +72,15 @@ struct SpreadRecord {
     value: Option<f64>,
     mean: Option<f64>,
     sd: Option<f64>,
-    /// `null` where fewer than 40 replicates have it, at a bound of the fit, and for distances, absolute errors and counter-rotating joints, which any noise makes larger.
+    /// `null` where fewer than 40 replicates have it, where it or an end is at a bound of the fit, and for distances, absolute errors and counter-rotating joints, which any noise makes larger.
     interval_95: Option<[f64; 2]>,
     /// How often the interval of a multiplier holds the true one; absent for other numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     interval_coverage: Option<String>,
-    /// Whether the value is at a bound of the fit, so that the films do not identify it.
+    /// Whether bounds of the fit determine the value or an end of its interval, so that the films do not identify it.
     at_bound: bool,
+    /// Replicates in which bounds of the fit determine it; of more than 2.5 %, the interval has no end.
+    replicates_at_bound: u64,
     /// The 25, 50 and 75 % quantiles.
     quartiles: Option<[f64; 3]>,
     /// Replicates that have it.
@@ -160,6 +162,7 @@ fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
         interval_95: found.interval_95(),
         interval_coverage: quantity.interval_caveat().map(str::to_owned),
         at_bound: found.at_bound,
+        replicates_at_bound: found.replicates_at_bound,
         quartiles: spread.map(|s| [s.quantiles[1], s.quantiles[2], s.quantiles[3]]),
         count: found.count,
         absent: absent.collect(),

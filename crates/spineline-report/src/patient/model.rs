@@ -7,7 +7,7 @@ use spineline::anatomy::Posture;
 use spineline::evaluate::Simulation;
 use spineline::multibody::StiffnessLibrary;
 use spineline::number::{fixed, interval};
-use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, STIFFNESS_COVERAGE, StiffnessBound};
+use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, STIFFNESS_COVERAGE};
 use spineline::uncertainty::{QuantityKind, Uncertainty};
 
 use super::Patient;
@@ -122,12 +122,8 @@ fn multipliers(patient: &Patient<'_>) -> Table {
             let found = found.map(|found| &found.multipliers[group]);
             let by_films = found.map(|found| uncertainty::mean_of_joints(found, scale));
             let places = found.map_or(2, |found| uncertainty::places(found, scale));
-            let noise = match model.fit.bounds[group] {
-                StiffnessBound::Inside => {
-                    patient.uncertainty.and_then(|found| noise_interval(found, model, group, scale))
-                }
-                _ => Some("none: at its bound".to_owned()),
-            };
+            let noise =
+                patient.uncertainty.and_then(|found| noise_interval(found, model, group, scale));
             table.row(vec![
                 model.kind.to_string(),
                 name,
@@ -152,6 +148,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
     table
 }
 
+/// The 95 % interval of a multiplier over the replicates, or why it has none.
 pub fn noise_interval(
     found: &Uncertainty,
     model: &LineModel,
@@ -159,8 +156,9 @@ pub fn noise_interval(
     scale: f64,
 ) -> Option<String> {
     let multiplier = QuantityKind::LogMultiplier.of_case().along(model.kind).of_multiplier(group);
-    let [low, high] = found.of(multiplier)?.interval_95()?.map(|log| scale * log.exp());
-    Some(interval([low, high], 2))
+    let one = found.of(multiplier)?;
+    let ends = one.interval_95().map(|ends| ends.map(|log| scale * log.exp()));
+    ends.map(|ends| interval(ends, 2)).or_else(|| uncertainty::no_interval(one))
 }
 
 fn springs(analysis: &Analysis) -> Table {

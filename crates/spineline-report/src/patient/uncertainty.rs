@@ -215,6 +215,15 @@ fn mean_and_largest(
     [format!("{}{unit}", fixed(mean, 2)), format!("{} ({level})", fixed(largest, 2))]
 }
 
+/// Why a number has no interval over the replicates, where its fit is the reason.
+pub fn no_interval(one: &QuantitySpread) -> Option<String> {
+    if one.never_converged() {
+        return Some("none: the fit did not converge".to_owned());
+    }
+    let (at_bound, count) = (one.replicates_at_bound, counted(one.count, "replicate"));
+    one.at_bound.then(|| format!("none: at its bound in {at_bound} of {count}"))
+}
+
 /// Every other number that is reported.
 fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
     let number = |spread: &QuantitySpread, value: f64| match spread.quantity.unit(analysis) {
@@ -235,8 +244,7 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
                 let caveat = caveat.map_or("", |_| " (if the model is exact)");
                 format!("{} to {}{caveat}", number(one, low), number(one, high))
             }
-            None if one.at_bound => "none: at its bound".to_owned(),
-            None => none(),
+            None => no_interval(one).unwrap_or_else(none),
         });
         add.numbers("In (%)", |one| fixed(100.0 * one.count as f64 / found.done.max(1) as f64, 1));
     })
@@ -244,9 +252,36 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
 
 #[cfg(test)]
 mod tests {
+    use spineline::action::LineKind;
     use spineline::personalize::Profile;
+    use spineline::uncertainty::Absent;
 
     use super::*;
+
+    #[test]
+    fn a_number_without_an_interval_says_why() {
+        let inside = QuantitySpread {
+            quantity: QuantityKind::LogMultiplier.of_case().along(LineKind::Iliac).of_multiplier(0),
+            nominal: Ok(0.2),
+            count: 60,
+            absent: Vec::new(),
+            spread: None,
+            replicates_at_bound: 1,
+            at_bound: false,
+        };
+        assert_eq!(no_interval(&inside), None);
+        let at_bound = QuantitySpread { replicates_at_bound: 7, at_bound: true, ..inside.clone() };
+        let words = no_interval(&at_bound);
+        assert_eq!(words.as_deref(), Some("none: at its bound in 7 of 60 replicates"));
+        let lost = QuantitySpread {
+            nominal: Err(Absent::FitNotConverged),
+            count: 0,
+            absent: vec![(Absent::FitNotConverged, 60)],
+            replicates_at_bound: 0,
+            ..inside
+        };
+        assert_eq!(no_interval(&lost).as_deref(), Some("none: the fit did not converge"));
+    }
 
     #[test]
     fn a_fit_outside_of_its_interval_does_not_read_as_one_of_its_ends() {

@@ -3,9 +3,7 @@
 use super::models::{bending_loads, fit_films, settings_of};
 use super::{Analysis, LineModel};
 use crate::number::mean;
-use crate::personalize::{
-    FitStatus, Gauge, GroupStiffness, Identifiability, StiffnessBound, identify,
-};
+use crate::personalize::{FitStatus, GroupStiffness, Identifiability, StiffnessBound, identify};
 use crate::warning::Warnings;
 
 /// How the fit of a multiplier ended. [`Analysis::identifiability`] tests whether the films identify a fitted value.
@@ -56,8 +54,6 @@ impl LineModel {
         let films: Vec<_> = self.simulations.iter().filter(|s| s.fitted && s.is_usable()).collect();
         let group_of = self.groups.of_joint();
         let gauge = analysis.options.gauge;
-        let inside = self.fit.bounds.iter().filter(|&&bound| bound == StiffnessBound::Inside);
-        let is_alone = gauge != Gauge::FrozenForce && inside.count() == 1 && self.groups.len() > 1;
         let verdict = |group: usize| {
             let in_group = |joint: usize| group_of[joint] == group;
             let against = films
@@ -74,7 +70,7 @@ impl LineModel {
                 MultiplierEnding::Contradicted
             } else if bound != StiffnessBound::Inside {
                 MultiplierEnding::AtBound(bound)
-            } else if is_alone {
+            } else if self.fit.has_one_inside(gauge) {
                 MultiplierEnding::OthersAtBounds
             } else if self.is_absolute(gauge) {
                 MultiplierEnding::Absolute

@@ -1,5 +1,6 @@
 //! The result of a fit.
 
+use super::Gauge;
 use super::start::Start;
 use crate::least_squares::FitStatus;
 
@@ -44,6 +45,12 @@ pub struct Personalization {
 }
 
 impl Personalization {
+    /// Whether one multiplier alone is inside its bounds, so that the scale constraint and the bounds of the others fix it.
+    pub(crate) fn has_one_inside(&self, gauge: Gauge) -> bool {
+        let inside = self.bounds.iter().filter(|&&bound| bound == StiffnessBound::Inside);
+        gauge != Gauge::FrozenForce && inside.count() == 1 && self.bounds.len() > 1
+    }
+
     /// Its end as a start.
     pub(crate) fn as_start(&self) -> Start {
         let unscaled =

@@ -78,6 +78,8 @@ pub struct MonteCarlo<'a> {
 pub struct Replicate {
     /// One value per quantity, or why it has none; or the code of the error that stopped the analysis.
     values: Result<Vec<Result<f64, Absent>>, &'static str>,
+    /// Places of the quantities that bounds of a fit determine.
+    at_bounds: Vec<usize>,
     /// Fits and simulations without result: code, line, and film.
     endings: Vec<(&'static str, LineKind, Option<Posture>)>,
 }
@@ -121,10 +123,14 @@ impl<'a> MonteCarlo<'a> {
     #[must_use]
     pub fn replicate(&self, index: u64) -> Replicate {
         match self.analysis_of(index) {
-            Ok(analysis) => {
-                Replicate { values: Ok(self.values_in(&analysis)), endings: endings(&analysis) }
+            Ok(analysis) => Replicate {
+                values: Ok(self.values_in(&analysis)),
+                at_bounds: self.at_bounds_in(&analysis),
+                endings: endings(&analysis),
+            },
+            Err(code) => {
+                Replicate { values: Err(code), at_bounds: Vec::new(), endings: Vec::new() }
             }
-            Err(code) => Replicate { values: Err(code), endings: Vec::new() },
         }
     }
 
@@ -142,6 +148,12 @@ impl<'a> MonteCarlo<'a> {
         let value =
             |quantity: &AnalysisQuantity| quantity.value(analysis, measures.as_ref(), self.nominal);
         self.quantities.iter().map(value).collect()
+    }
+
+    /// Places of the quantities that bounds of a fit determine in an analysis of this case.
+    fn at_bounds_in(&self, analysis: &Analysis) -> Vec<usize> {
+        let places = 0..self.quantities.len();
+        places.filter(|&place| self.quantities[place].is_at_bound(analysis)).collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::values::fitted_model;
 use crate::action::LineKind;
 use crate::analysis::{Analysis, LineModel};
 use crate::anatomy::{Level, Posture, Region, named};
@@ -330,11 +331,12 @@ impl AnalysisQuantity {
         }
     }
 
-    /// Whether it is a multiplier that ended at a bound of the fit.
+    /// Whether it is a multiplier that bounds of a converged fit determine: its bound, or the bounds of all others.
     pub(super) fn is_at_bound(self, analysis: &Analysis) -> bool {
-        let model = self.model(analysis).zip(self.multiplier);
-        let bound = model.and_then(|(model, place)| model.fit.bounds.get(place));
-        bound.is_some_and(|bound| *bound != StiffnessBound::Inside)
+        let Some((line, place)) = self.line.zip(self.multiplier) else { return false };
+        let Ok(LineModel { fit, .. }) = fitted_model(analysis, line) else { return false };
+        let is_bound = fit.bounds.get(place).is_some_and(|&one| one != StiffnessBound::Inside);
+        is_bound || fit.has_one_inside(analysis.options.gauge)
     }
 }
 

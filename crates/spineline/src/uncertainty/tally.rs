@@ -24,6 +24,7 @@ pub struct Tally<'a> {
 struct Counted {
     nominal: Result<f64, Absent>,
     values: Centred,
+    at_bound: u64,
     absent: BTreeMap<Absent, u64>,
 }
 
@@ -40,8 +41,13 @@ pub struct QuantitySpread {
     pub absent: Vec<(Absent, u64)>,
     /// Mean, standard deviation and quantiles; `None` where no replicate has it.
     pub spread: Option<Spread>,
-    /// Whether the value in the case itself is at a bound of the fit: the films do not identify it, and the replicates that end at the
-    /// same bound say nothing about where it may lie.
+    /// Replicates in which bounds of the fit determine it: its bound, or the bounds of all other multipliers.
+    pub replicates_at_bound: u64,
+    /// Whether bounds of the fit determine the value in the case itself, or an end of the interval: the films do not identify it.
+    ///
+    /// # Definition
+    /// A bound hides where a replicate would lie without it. The ends of the interval are known where such replicates are at most 2.5 % of
+    /// all: no end rests on them, even if all lie on one side.
     pub at_bound: bool,
 }
 
@@ -64,12 +70,18 @@ impl QuantitySpread {
         Some(MultiplierSpread { value, quantiles: spread.map(|s| s.quantiles.map(f64::exp)) })
     }
 
-    /// The central 95 % of the replicates. `None` where fewer than [`Spread::MIN_COUNT`] have the number, where it is at a bound of the fit, and for
+    /// The central 95 % of the replicates. `None` where fewer than [`Spread::MIN_COUNT`] have the number, where it or an end is at a bound of the fit, and for
     /// distances, absolute errors and counter-rotating joints: any noise makes these larger, a replicate has it twice, and the interval
     /// would lie too high.
     #[must_use]
     pub fn interval_95(&self) -> Option<[f64; 2]> {
         self.spread.filter(|_| self.may_have_interval())?.interval_95(self.count)
+    }
+
+    /// Whether the fit of its line converged in no replicate.
+    #[must_use]
+    pub fn never_converged(&self) -> bool {
+        self.count == 0 && self.absent.iter().any(|(why, _)| *why == Absent::FitNotConverged)
     }
 
     /// Whether it has an interval where enough replicates have the number.
@@ -117,6 +129,7 @@ impl MonteCarlo<'_> {
         let counted = |(nominal, quantity): (Result<f64, Absent>, &AnalysisQuantity)| Counted {
             nominal,
             values: Centred::around(nominal.ok(), quantity.kind.period_deg()),
+            at_bound: 0,
             absent: BTreeMap::new(),
         };
         let quantities = self.values_in(self.nominal).into_iter().zip(&self.quantities);
@@ -146,6 +159,7 @@ impl Tally<'_> {
                 Err(reason) => *counted.absent.entry(*reason).or_default() += 1,
             }
         }
+        replicate.at_bounds.iter().for_each(|&place| self.quantities[place].at_bound += 1);
     }
 
     /// The result, of this number of requested replicates.
@@ -155,8 +169,17 @@ impl Tally<'_> {
         let spread = |(counted, &quantity): (Counted, &AnalysisQuantity)| {
             let (count, spread) = (counted.values.count(), counted.values.spread());
             let absent = counted.absent.into_iter().collect();
-            let at_bound = quantity.is_at_bound(nominal);
-            QuantitySpread { quantity, nominal: counted.nominal, count, absent, spread, at_bound }
+            let replicates_at_bound = counted.at_bound;
+            let hides = hides_an_end(replicates_at_bound, count);
+            QuantitySpread {
+                quantity,
+                nominal: counted.nominal,
+                count,
+                absent,
+                spread,
+                replicates_at_bound,
+                at_bound: hides || quantity.is_at_bound(nominal),
+            }
         };
         let failure = |((code, line, posture), count)| FailureCount {
             code: Cow::Borrowed(code),
@@ -174,6 +197,12 @@ impl Tally<'_> {
             quantities: self.quantities.into_iter().zip(&self.of.quantities).map(spread).collect(),
         }
     }
+}
+
+/// Whether an end of the interval of this number of replicates may rest on those at bounds, on whichever side they lie.
+fn hides_an_end(at_bound: u64, count: u64) -> bool {
+    let beyond_an_end = Spread::PARTS[0] * count.saturating_sub(1) as f64;
+    count >= Spread::MIN_COUNT && at_bound as f64 > beyond_an_end
 }
 
 impl Uncertainty {
@@ -241,5 +270,27 @@ impl Uncertainty {
                 )
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::statistics::quantile;
+
+    #[test]
+    fn an_end_of_an_interval_is_not_the_bound_of_the_fit() {
+        // Oracle: quantiles of sorted replicates of which some are at the upper bound.
+        const BOUND: f64 = 10.0;
+        for count in Spread::MIN_COUNT..300 {
+            for at_bound in 0..12 {
+                let inside = (0..count - at_bound).map(|i| i as f64 / count as f64);
+                let values: Vec<f64> = inside.chain((0..at_bound).map(|_| BOUND)).collect();
+                let [.., part] = Spread::PARTS;
+                let hides = quantile(&values, part) > 1.0 + 1e-9;
+                assert_eq!(hides_an_end(at_bound, count), hides, "{at_bound} of {count}");
+            }
+        }
+        assert!(!hides_an_end(1, Spread::MIN_COUNT - 1), "too few replicates for an interval");
     }
 }
