@@ -6,6 +6,10 @@ use crate::spatial::Angle;
 ///
 /// The uncertainty of a mean over several observers follows from the differences between them, or between their repeats
 /// where those differ more. A bias that all observers share does not show in it.
+///
+/// # Limit
+/// It is the variance of one reading over the mean number of readings of a vertebra, alike for all vertebrae of the film. A vertebra with fewer
+/// readings than the mean has more noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Of a coordinate of a location.
