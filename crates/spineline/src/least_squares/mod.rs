@@ -33,8 +33,8 @@ impl System {
         self.residuals.norm_squared()
     }
 
-    /// Fills the last row with the gauge: the mean of the `ln α`, which are the first unknowns, is held at zero, against residuals
-    /// that move it by minus `shift`. Without any the row is zero.
+    /// Fills the last row with the gauge: the mean of the `ln α`, which are the first unknowns, is held at zero. `shift` is the multiplier
+    /// of this constraint over the square of its weight. Without `ln α` the row is zero.
     pub fn hold_mean(&mut self, log_multipliers: &[f64], shift: f64) {
         /// The gauge is linear, and is held a thousand times tighter than any data.
         const GAUGE_WEIGHT: f64 = 1e3;

@@ -428,6 +428,10 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
         value: f64,
         near: &DVector<f64>,
     ) -> Option<(f64, DVector<f64>)> {
+        // No other multiplier takes the change that the gauge needs.
+        if self.groups == 1 && self.problem.holds_mean() {
+            return Some((f64::INFINITY, near.clone()));
+        }
         let [mut lower, mut upper] = self.bounds.clone();
         let mut x = near.clone();
         // The others take the change that the gauge needs.

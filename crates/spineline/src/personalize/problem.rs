@@ -20,7 +20,7 @@ pub(crate) struct Problem<'a, F> {
     pub films: Vec<FilmData<'a, F>>,
     /// Multipliers that are known already.
     pub(super) held: Option<Vec<f64>>,
-    /// Where the residuals would move the mean of `ln α` without it, with the opposite sign.
+    /// The multiplier of the gauge over the square of its weight; zero outside of [`Self::minimize`].
     gauge_shift: f64,
 }
 
@@ -174,20 +174,17 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
     ///
     /// Residuals move the mean of `ln α` against the gauge where multipliers are at bounds or springs carry a weight. The gauge then moves
     /// the other way, and the fit continues: the method of multipliers [hestenes-1969].
-    pub fn minimize(&mut self, x: DVector<f64>, [lower, upper]: [&DVector<f64>; 2]) -> Minimum {
+    pub fn minimize(&mut self, x: DVector<f64>, bounds: [&DVector<f64>; 2]) -> Minimum {
         const MAX_SHIFTS: usize = 20;
-        /// Largest mean of `ln α` that counts as zero.
-        const ZERO: f64 = 1e-6;
-        let (rows, groups) = (self.rows(), self.springs.groups.len());
+        let rows = self.rows();
         let fit = |problem: &mut Self, x: DVector<f64>| {
+            let [lower, upper] = bounds;
             minimize(x, lower, upper, rows, |x, system| problem.fill(x, system, Wanted::AllRates))
         };
-        self.gauge_shift = 0.0;
         let mut end = fit(self, x);
         for _ in 0..MAX_SHIFTS {
-            let mean = end.x.rows(0, groups).sum() / groups as f64;
-            let is_zero = !self.holds_mean() || mean.abs() <= ZERO;
-            if is_zero || end.status != FitStatus::Converged {
+            let mean = self.mean_off_gauge(&end.x);
+            if end.status != FitStatus::Converged || mean.abs() <= Self::ON_GAUGE {
                 break;
             }
             self.gauge_shift += mean;
@@ -195,9 +192,35 @@ impl<'a, F: FilmUnderLoad> Problem<'a, F> {
             end = fit(self, end.x);
             end.iterations += iterations;
         }
-        // Sums of squares are of films and prior alone.
-        end.system.residuals[rows - 1] = 0.0;
+        if self.gauge_shift != 0.0 {
+            self.gauge_shift = 0.0;
+            self.end_on_gauge(&mut end, bounds);
+        }
         end
+    }
+
+    /// Largest mean of `ln α` from which [`Self::end_on_gauge`] moves it to zero.
+    const ON_GAUGE: f64 = 1e-5;
+
+    /// The mean of `ln α`, where the gauge holds it at zero.
+    fn mean_off_gauge(&self, x: &DVector<f64>) -> f64 {
+        let groups = self.springs.groups.len();
+        if self.holds_mean() { x.rows(0, groups).sum() / groups as f64 } else { 0.0 }
+    }
+
+    /// Moves the multipliers between their bounds by what remains of the mean. A fit that the gauge does not hold has not converged.
+    fn end_on_gauge(&mut self, end: &mut Minimum, [lower, upper]: [&DVector<f64>; 2]) {
+        let groups = self.springs.groups.len();
+        let rest = self.mean_off_gauge(&end.x);
+        let inside = |&i: &usize| lower[i] < end.x[i] && end.x[i] < upper[i];
+        let free: Vec<usize> = (0..groups).filter(inside).collect();
+        for &i in &free {
+            end.x[i] -= rest * groups as f64 / free.len() as f64;
+        }
+        let is_solved = self.fill(&end.x, &mut end.system, Wanted::AllRates);
+        if end.status == FitStatus::Converged && !(is_solved && rest.abs() <= Self::ON_GAUGE) {
+            end.status = FitStatus::IterationLimit;
+        }
     }
 
     /// Sum of squares at a start; infinite where a film has no equilibrium that counts.
