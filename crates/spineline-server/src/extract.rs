@@ -35,6 +35,23 @@ impl<T: DeserializeOwned> FromRequest<AppState> for Json<T> {
     }
 }
 
+/// A body, and rights that are asked for when it has arrived: they may change while a slow body arrives.
+pub struct WithBody<B, R>(pub B, pub R);
+
+impl<B, R> FromRequest<AppState> for WithBody<B, R>
+where
+    B: FromRequest<AppState, Rejection = Failure>,
+    R: FromRequestParts<AppState, Rejection = Failure>,
+{
+    type Rejection = Failure;
+
+    async fn from_request(request: Request, state: &AppState) -> Result<Self, Failure> {
+        let (mut parts, body) = request.into_parts();
+        let body = B::from_request(Request::from_parts(parts.clone(), body), state).await?;
+        Ok(Self(body, R::from_request_parts(&mut parts, state).await?))
+    }
+}
+
 /// The text of a JSON body, for files with their own messages.
 #[derive(Debug, Clone)]
 pub struct JsonText(pub String);

@@ -13,7 +13,7 @@ use super::loads::fitted_model;
 use super::simulated::deformed_shape;
 use crate::access::OpenResult;
 use crate::api::{LoadAnswer, LoadRequest, Problem};
-use crate::extract::Json;
+use crate::extract::{Json, WithBody};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 
@@ -25,8 +25,7 @@ const MAX_ARROW_MM: f64 = 5_000.0;
     request_body = LoadRequest,
     responses((status = 200, body = LoadAnswer), Problem))]
 pub async fn load(
-    OpenResult(result): OpenResult,
-    Json(request): Json<LoadRequest>,
+    WithBody(Json(request), OpenResult(result)): WithBody<Json<LoadRequest>, OpenResult>,
 ) -> Answer<Json<LoadAnswer>> {
     computed(move || answer(&result, &request)).await?.map(Json)
 }

@@ -11,7 +11,7 @@ use utoipa_axum::routes;
 
 use crate::access::OpenStudy;
 use crate::api::{Change, OptionValueView, OptionView, OptionsChange, OptionsView, Problem};
-use crate::extract::Json;
+use crate::extract::{Json, WithBody};
 use crate::problem::{Answer, Failure};
 use crate::state::AppState;
 use crate::user::User;
@@ -41,8 +41,7 @@ async fn options(
 async fn change(
     State(state): State<AppState>,
     user: User,
-    OpenStudy(study): OpenStudy,
-    Json(wanted): Json<OptionsChange>,
+    WithBody(Json(wanted), OpenStudy(study)): WithBody<Json<OptionsChange>, OpenStudy>,
 ) -> Answer<Json<OptionsView>> {
     let by = user.sign();
     let asker = state.clone();

@@ -17,7 +17,7 @@ use crate::access::{EditorResult, OpenResult};
 use crate::api::{
     Computation, ComputationName, ComputationRequest, ComputationView, Problem, Wire,
 };
-use crate::extract::{Json, Path};
+use crate::extract::{Json, Path, WithBody};
 use crate::jobs::{ComputationJob, Found, Jobs};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
@@ -51,9 +51,8 @@ async fn computation(
     responses((status = 200, body = ComputationView), Problem))]
 async fn compute(
     State(state): State<AppState>,
-    EditorResult(result): EditorResult,
     Path((_, Wire(name))): Path<(String, ComputationName)>,
-    Json(request): Json<ComputationRequest>,
+    WithBody(Json(request), EditorResult(result)): WithBody<Json<ComputationRequest>, EditorResult>,
 ) -> Answer<Json<ComputationView>> {
     let asked = steps(&result, name, &request)?;
     let job = start(&state, &result, name, asked)?;

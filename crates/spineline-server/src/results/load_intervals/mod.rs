@@ -15,7 +15,7 @@ use super::computations::replicates::{BLOCK, checked, with_monte_carlo};
 use super::loads::{simulated_file, tables};
 use crate::access::{EditorResult, OpenResult};
 use crate::api::{LineKindName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView, Problem};
-use crate::extract::{Json, Path};
+use crate::extract::{Json, Path, WithBody};
 use crate::jobs::{Jobs, LoadIntervalJob, LoadIntervalWork, progress};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
@@ -49,9 +49,11 @@ async fn load_intervals(
     responses((status = 200, body = LoadIntervalsView), Problem))]
 async fn compute_load_intervals(
     State(state): State<AppState>,
-    EditorResult(result): EditorResult,
     Path((_, line)): Path<(String, LineKindName)>,
-    Json(request): Json<LoadIntervalRequest>,
+    WithBody(Json(request), EditorResult(result)): WithBody<
+        Json<LoadIntervalRequest>,
+        EditorResult,
+    >,
 ) -> Answer<Json<LoadIntervalsView>> {
     let asked = checked(request.count)?;
     let (of, file) = (Arc::clone(&result), request.file);

@@ -16,7 +16,7 @@ use crate::PROGRAM;
 use crate::access::OpenResult;
 use crate::api::{FileOfLoads, LineKindName, LoadMenu, LoadedModel, Problem};
 use crate::attachment::attachment;
-use crate::extract::{Json, JsonText, Path};
+use crate::extract::{Json, JsonText, Path, WithBody};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 use crate::state::AppState;
@@ -51,9 +51,8 @@ async fn load_menu(
     params(("study" = String, Path), ("line" = LineKindName, Path)), request_body = FileOfLoads,
     responses((status = 200, body = LoadedModel), Problem))]
 async fn simulate_loads(
-    OpenResult(result): OpenResult,
     Path((_, line)): Path<(String, LineKindName)>,
-    JsonText(text): JsonText,
+    WithBody(JsonText(text), OpenResult(result)): WithBody<JsonText, OpenResult>,
 ) -> Answer<Json<LoadedModel>> {
     let answer = computed(move || {
         let (loads, model) = (parsed(&text)?, personalised_model(&result, line)?);
@@ -74,9 +73,8 @@ async fn simulate_loads(
 async fn simulation_file(
     State(state): State<AppState>,
     user: User,
-    OpenResult(result): OpenResult,
     Path((_, line)): Path<(String, LineKindName)>,
-    JsonText(text): JsonText,
+    WithBody(JsonText(text), OpenResult(result)): WithBody<JsonText, OpenResult>,
 ) -> Answer<Response> {
     let study = result.study.clone();
     // Intervals from before a restart are saved too.

@@ -18,7 +18,7 @@ use super::background::{Task, start};
 use super::loads::{check_count, personalised_model};
 use crate::access::{EditorResult, OpenResult};
 use crate::api::{LineKindName, PadMapRequest, PadMapView, Problem};
-use crate::extract::{Json, Path};
+use crate::extract::{Json, Path, WithBody};
 use crate::jobs::{Jobs, PadMapJob, PadMapWork};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
@@ -52,9 +52,8 @@ async fn pad_map(
     responses((status = 200, body = PadMapView), Problem))]
 async fn compute_pad_map(
     State(state): State<AppState>,
-    EditorResult(result): EditorResult,
     Path((_, line)): Path<(String, LineKindName)>,
-    Json(request): Json<PadMapRequest>,
+    WithBody(Json(request), EditorResult(result)): WithBody<Json<PadMapRequest>, EditorResult>,
 ) -> Answer<Json<PadMapView>> {
     check("largest force", request.largest_force, MAX_FORCE)?;
     check("stiffness per mm", request.n_per_mm, MAX_PER_MM)?;
