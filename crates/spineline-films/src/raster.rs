@@ -8,7 +8,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use spineline_marking::SpacingEvidence;
 
-use super::codec::{END, check_end, foreign};
+use super::codec::{END, check_end, foreign, is_one_scan};
 use super::error::{Codec, CodecFault, FilmError, Measure, UnsupportedPhotometric};
 use super::pixels::luminance;
 use super::resolution;
@@ -126,6 +126,10 @@ fn decode_without_end(
     bytes: &[u8],
     limits: &FilmLimits,
 ) -> Result<(DynamicImage, Orientation), FilmError> {
+    let truncated = || CodecFault::Truncated.of(Codec::Raster);
+    if !is_one_scan(bytes) {
+        return Err(truncated());
+    }
     // The first half of the end.
     let scan = bytes.strip_suffix(&[0xFF]).unwrap_or(bytes);
     let with = |more: &[u8]| decode(&[scan, more, END.as_slice()].concat(), FilmKind::Jpeg, limits);
@@ -133,7 +137,7 @@ fn decode_without_end(
     let found = with(&[])?;
     match with(&other_bits) {
         Ok(other) if other.0 == found.0 => Ok(found),
-        _ => Err(CodecFault::Truncated.of(Codec::Raster)),
+        _ => Err(truncated()),
     }
 }
 

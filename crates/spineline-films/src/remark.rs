@@ -107,8 +107,8 @@ pub enum FilmRemark {
     /// The picture was turned or mirrored by its camera's orientation tag.
     #[error("the picture was rotated or mirrored according to its orientation tag")]
     CameraOrientation,
-    /// The file of a JPEG lacks its end, and no row of the picture.
-    #[error("the file of the picture has no end, but all rows of the picture")]
+    /// A JPEG has no end marker, but every row.
+    #[error("the end of the file is missing; all rows of the picture are there")]
     EndMissing,
     /// The picture had transparent parts; transparency is not used.
     #[error("the picture has transparency; it is not used")]

@@ -88,6 +88,16 @@ pub(crate) fn check_end(data: &[u8]) -> Result<(), CodecFault> {
     segments(data).map_or(Ok(()), |(_, start)| has_end(&data[start..]))
 }
 
+/// Whether all rows of a JPEG are in one scan without restart intervals: then every byte that is missing changes the picture.
+pub(crate) fn is_one_scan(data: &[u8]) -> bool {
+    let Ok((segments, _)) = segments(data) else { return false };
+    let is_sequential = only_frame(&segments).is_ok_and(|frame| {
+        let scanned = segments.last().and_then(|scan| scan.body.first());
+        matches!(frame.kind, 0xC0 | 0xC1) && scanned == Some(&frame.components)
+    });
+    is_sequential && segments.iter().all(|segment| segment.kind != 0xDD)
+}
+
 /// One marker segment: kind and content.
 pub(crate) struct Segment<'a> {
     pub kind: u8,

@@ -8,7 +8,7 @@ mod runs;
 mod wavelets;
 
 pub(super) use format::{Coded, Format};
-pub(super) use markers::{END, check_end, header_segment};
+pub(super) use markers::{END, check_end, header_segment, is_one_scan};
 
 use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};

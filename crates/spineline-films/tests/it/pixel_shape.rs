@@ -326,8 +326,12 @@ fn a_jpeg_without_its_end_is_read_with_a_remark_where_all_rows_are_there() {
     }
     // 40 bytes are less than one of 48 blocks of noise, in the last row.
     let fault = CodecFault::Truncated;
-    let missing = read(&bytes[..bytes.len() - 40]);
-    assert_eq!(missing, Err(FilmError::Codec { codec: Codec::Raster, fault }));
+    let truncated = Err(FilmError::Codec { codec: Codec::Raster, fault });
+    assert_eq!(read(&bytes[..bytes.len() - 40]), truncated);
+    // Between two restart intervals nothing shows whether more of them follow.
+    let restarts = [&bytes[..2], &[0xFF, 0xDD, 0, 4, 0xFF, 0xFF], &bytes[2..]].concat();
+    assert!(read(&restarts).is_ok());
+    assert_eq!(read(&restarts[..restarts.len() - 2]), truncated);
 }
 
 #[test]
