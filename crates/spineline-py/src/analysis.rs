@@ -12,6 +12,7 @@ use spineline::analysis::{self, AnalysisOptions, Grouping, LineModel};
 use spineline::measure::FilmFrame;
 use spineline::personalize::Identifiability;
 use spineline::spatial::Frontal;
+use spineline::warning::WarningCode;
 use spineline_files::method_text::{missing_known_force, options_of};
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, Provenance, Request, parse_analysis, parse_json,
@@ -411,11 +412,14 @@ pub fn time_analysis(py: Python<'_>, case: &Case) -> Result<f64, Fault> {
     })
 }
 
-/// The results of an analysis, without the request.
+/// The results of an analysis, without the request and without the replicates and their warning.
 fn results(mut file: Value) -> Value {
     if let Some(parts) = file.as_object_mut() {
         parts.remove("provenance");
         parts.remove("uncertainty");
+        if let Some(warnings) = parts.get_mut("warnings").and_then(Value::as_array_mut) {
+            warnings.retain(|one| one["code"] != WarningCode::ReplicatesInterrupted.key());
+        }
     }
     file
 }
