@@ -364,7 +364,7 @@ fn a_difference_is_written_in_the_direction_of_its_sentence() {
 fn a_smaller_error_that_is_not_tested_is_named_beside_the_better_line() {
     let analysis = analyzed(&case(0, Scenario::Pull));
     let better = "Better than the best tested prediction without mechanics: the iliac line with tilt on bends left out of the fit.";
-    let smaller = "The distribution learned from other patients with tilt has a smaller error on bends left out of the fit, 1.0 mm; no line is tested against it, because it knows more.";
+    let smaller = "The distribution learned from other patients with tilt has a smaller mean error on bends left out of the fit than such a line, 1.0 mm; no line is tested against it, because it knows more.";
     for (learned_mm, is_named) in [(1.0, true), (5.0, false)] {
         let cohort = constructed(&analysis, learned_mm);
         let patients = [PatientRow::of(&analysis)];

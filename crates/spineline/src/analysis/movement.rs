@@ -99,7 +99,9 @@ impl Movement {
         replicated: Option<Replicated<'_>>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        check_unit(options, warnings)?;
+        if replicated.is_none() {
+            check_unit(options, warnings)?;
+        }
         let Measured { readings, outlines, whole } =
             measure(case, options.tilt, replicated, warnings)?;
         let mut outlines = at_erect_length(outlines, options.film_lengths, warnings);

@@ -140,7 +140,7 @@ impl BaselinesOverPatients {
         };
         above.any(is_better).then(|| {
             format!(
-                "The {} has a smaller error on {}, {} mm; no line is tested against it, because it knows more.",
+                "The {} has a smaller mean error on {} than such a line, {} mm; no line is tested against it, because it knows more.",
                 untested.by.long_name(),
                 role.films_words(),
                 fixed(untested.mean_mm(), 1)

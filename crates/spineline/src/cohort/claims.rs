@@ -246,7 +246,13 @@ impl Claims {
         let wins = |fitted: bool| {
             let win = |p: &PatientClaims| {
                 let mm = p.advantage_mm(fitted)?;
-                Some(0.5 * f64::from(u8::from(mm > 0.0) + u8::from(mm >= 0.0)))
+                Some(if mm > 0.0 {
+                    1.0
+                } else if mm < 0.0 {
+                    0.0
+                } else {
+                    0.5
+                })
             };
             Share::of_units(&all(&win))
         };

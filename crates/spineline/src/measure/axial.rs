@@ -130,7 +130,8 @@ pub(super) fn height_over(body: &Corners<Frontal>, pedicles: [Frontal; 2]) -> f6
 /// On phantoms of the five shapes from the side, a vertebra's own pedicles, at the height of its body or a quarter above it
 /// (assumption), lie from -0.45 to 0.76, of L5 and L4 to 1.12. In a severe kyphosis that tilts a vertebra forward by 40°, [`PediclePlace`]
 /// and [`Morphometry`] put them at T8 and above up to 1.18. Pedicles of the next vertebra above lie from 0.98 on, at L5 and L4 from
-/// 1.46 on, and pedicles of the next one below from -0.9 down at most levels.
+/// 1.46 on, and pedicles of the next one below from -0.9 down at most levels. So at T8 and above, pedicles of the next vertebra between
+/// 0.98 and 1.25 are not found.
 pub(super) fn own_heights(level: Level) -> RangeInclusive<f64> {
     let most = if (Level::L3..=Level::T9).contains(&level) { 1.0 } else { 1.25 };
     -0.75..=most

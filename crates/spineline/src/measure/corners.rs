@@ -46,10 +46,15 @@ impl CornerName {
         }
     }
 
-    /// This one of four corners; [`CornerName::ALL`] has the order of [`Corners::points`].
+    /// This one of four corners.
     #[must_use]
-    pub fn of<P: Copy>(self, corners: &Corners<P>) -> P {
-        corners.points()[self as usize]
+    pub const fn of<P: Copy>(self, corners: &Corners<P>) -> P {
+        match self {
+            Self::SuperiorLeft => corners.superior_left,
+            Self::SuperiorRight => corners.superior_right,
+            Self::InferiorRight => corners.inferior_right,
+            Self::InferiorLeft => corners.inferior_left,
+        }
     }
 }
 

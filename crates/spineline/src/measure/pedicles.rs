@@ -79,11 +79,17 @@ fn level_at(
     pedicles: [Pixel; 2],
 ) -> Option<Level> {
     let pedicles = pedicles.map(|place| image.frontal(place));
-    let heights = reading.vertebrae.iter().map(|(&other, landmark)| {
+    let height = |landmark: &VertebraLandmarks| {
         let body: Corners<Frontal> = landmark.corners.map(|corner| image.frontal(corner));
-        (other, height_over(&body, pedicles))
-    });
-    let fitting = heights.filter(|(other, height)| own_heights(*other).contains(height));
-    let away = |(other, height): (Level, f64)| if other == level { -1.0 } else { height.abs() };
-    fitting.min_by(|a, b| away(*a).total_cmp(&away(*b))).map(|(nearest, _)| nearest)
+        height_over(&body, pedicles)
+    };
+    let fits = |other: Level, landmark| own_heights(other).contains(&height(landmark));
+    if reading.vertebrae.get(&level).is_some_and(|own| fits(level, own)) {
+        return Some(level);
+    }
+    let others = reading.vertebrae.iter().filter(|(other, landmark)| fits(**other, *landmark));
+    let nearest = |a: &(_, &VertebraLandmarks), b: &(_, &VertebraLandmarks)| {
+        height(a.1).abs().total_cmp(&height(b.1).abs())
+    };
+    others.min_by(nearest).map(|(other, _)| *other)
 }

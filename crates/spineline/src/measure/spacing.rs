@@ -115,7 +115,7 @@ impl Spacing {
         [self.column_mm, self.row_mm].into_iter().all(Self::is_possible)
     }
 
-    /// Detectors and scanners of films have coarser pixels; a finer spacing is in metres (assumption).
+    /// Detectors and scanners of films have coarser pixels; a finer spacing is probably in metres (assumption).
     pub const MIN_MM: f64 = 0.01;
 
     /// With coarser pixels a thoracic body is three or four pixels high, too few for its corners (assumption).
