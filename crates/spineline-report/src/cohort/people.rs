@@ -243,7 +243,7 @@ pub fn lenke(patients: &Patients<'_>) -> Section {
         section.paragraph("The cohort has no patients.");
         return section;
     };
-    let caption = "Lenke types as far as frontal films determine them; none: a bending film or a pair of inflections is missing, or the curves match no type.";
+    let caption = "Lenke types as far as frontal films determine them; none: a bending film, a pair of inflections or a vertebra beside the end of a curve is missing, or the curves match no type.";
     section.figure(Figure::new("lenke", caption, svg));
     section.table(recorded(patients));
     section

@@ -3,7 +3,7 @@
 use super::wrong_film::tilt_margin;
 use super::{AnalysisOptions, Reference};
 use crate::anatomy::{FilmView, Levels, Posture};
-use crate::clinical::{ClinicalCurve, CobbEnds};
+use crate::clinical::{ClinicalCurve, CobbEnds, UnmarkedNeighbour};
 use crate::error::CaseError;
 use crate::measure::{
     Film, FilmLength, LateralFilm, Outline, SpacingPlane, body_widths, same_landmarks,
@@ -175,24 +175,18 @@ pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut W
     }
 }
 
-/// A vertebra that the erect film does not show, beside the end vertebra of a curve, may be its end vertebra.
-pub(super) fn warn_of_unmarked_ends(
-    curves: &[ClinicalCurve],
-    erect: &Outline,
-    warnings: &mut Warnings,
-) {
+/// Angles that may be too small, with the vertebra that may be the end vertebra.
+pub(super) fn warn_of_unmarked_ends(curves: &[ClinicalCurve], warnings: &mut Warnings) {
     for curve in curves {
-        for end in [curve.ends.inferior, curve.ends.superior] {
-            let is_beside = |level| [end.next_above(), end.next_below()].contains(&Some(level));
-            let mut unmarked = erect.interpolated().map(|(vertebra, _)| vertebra.level);
-            let Some(level) = unmarked.find(|&level| is_beside(level)) else { continue };
+        for &UnmarkedNeighbour { posture, end, level } in &curve.unmarked {
+            let Some(size) = curve.size_in(posture) else { continue };
             let text = format!(
                 "the {} curve ends at {end}, and {level} beside it is not marked: its {} of {} may be too small; mark {level} if the film shows it",
                 curve.region,
                 curve.size_name(),
-                curve.erect_size().abs().text(0)
+                size.abs().text(0)
             );
-            warnings.vertebra(WarningCode::EndVertebraNotMarked, Posture::Erect, level, text);
+            warnings.vertebra(WarningCode::EndVertebraNotMarked, posture, level, text);
         }
     }
 }

@@ -4,8 +4,8 @@ use super::AnalysisOptions;
 use super::checks::{note_given_ends, warn_of_unmarked_ends};
 use super::inflections::inflections_of;
 use crate::clinical::{
-    Balance, ClinicalCurve, EndChoice, LenkeType, Regions, lenke_type, measure_balance,
-    measure_curves, measure_largest_curve,
+    Balance, ClinicalCurve, LenkeType, Regions, lenke_type, measure_balance, measure_curves,
+    measure_largest_curve,
 };
 use crate::curve::fit_curve;
 use crate::error::Error;
@@ -42,9 +42,7 @@ impl Clinic {
             Regions::from_inflections(&fit, &inflections, &locations, repeated)
         };
         let curves = measure_curves(&regions, &all, &options.ends);
-        if options.ends == EndChoice::default() {
-            warn_of_unmarked_ends(&curves, erect, warnings);
-        }
+        warn_of_unmarked_ends(&curves, warnings);
         let given = &options.ends.given;
         let ends_fit = note_given_ends(given, &curves, regions.are_curves, warnings);
         let picked = given.iter().any(Option::is_some);

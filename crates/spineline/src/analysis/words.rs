@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{Analysis, LineModel, MultiplierEnding, MultiplierVerdict, Reference};
 use crate::anatomy::Posture;
-use crate::clinical::ClinicalCurve;
+use crate::clinical::{ClinicalCurve, lenke_doubt};
 use crate::curve::{Inflection, InflectionInterval};
 use crate::evaluate::Simulation;
 use crate::number::{self, fixed};
@@ -122,8 +122,10 @@ impl Analysis {
             None if movement.whole_curve.is_some() => {
                 "No Lenke type: the erect curve does not have two inflections that separate three curves".to_owned()
             }
-            None => "No Lenke type: no curve reaches 10°, the structural curves match no type, or an end vertebra is unusual or missing on a bend"
-                .to_owned(),
+            None => lenke_doubt(&movement.clinical).map_or_else(
+                || "No Lenke type: no curve reaches 10°, the structural curves match no type, or an end vertebra is unusual or missing on a bend".to_owned(),
+                |curve| format!("No Lenke type: it depends on the {} curve, whose Cobb angle may be too small, because a vertebra beside its end is not marked", curve.region),
+            ),
         }
     }
 

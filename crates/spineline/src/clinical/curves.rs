@@ -1,7 +1,7 @@
 use super::places::{EndAngles, end_angles};
 use super::{CobbEnds, CurvePlaces, RegionBounds, Regions, convex_side};
 use crate::anatomy::{Level, Posture, Region, Side, named};
-use crate::measure::{EndplateTilts, Outline};
+use crate::measure::{EndplateTilts, MeasuredVertebra, Outline};
 use crate::spatial::{Angle, Frontal};
 
 named! {
@@ -42,6 +42,8 @@ pub struct ClinicalCurve {
     /// Part of the erect angle that the bend to the convex side corrects; `None` without that film, and for curves of less
     /// than [`ClinicalCurve::MIN_FLEXIBLE`].
     pub flexibility: Option<f64>,
+    /// Vertebrae beside ends that were chosen on a film which does not show these vertebrae: its angle may be too small.
+    pub unmarked: Vec<UnmarkedNeighbour>,
 }
 
 impl ClinicalCurve {
@@ -85,13 +87,50 @@ impl ClinicalCurve {
         if self.has_cobb() { "Cobb angle" } else { "tilt range" }
     }
 
-    /// Size on the film that bends to the convex side, in the direction of the erect curve.
-    fn size_when_straightened(&self) -> Option<Angle> {
-        let posture = match self.convex? {
+    /// The bend to the convex side.
+    fn straightened_by(&self) -> Option<Posture> {
+        self.convex.map(|side| match side {
             Side::Left => Posture::LeftBending,
             Side::Right => Posture::RightBending,
+        })
+    }
+
+    /// Size on the film that bends to the convex side, in the direction of the erect curve.
+    fn size_when_straightened(&self) -> Option<Angle> {
+        let angle = self.size_in(self.straightened_by()?)?;
+        Some(angle * self.erect_size().rad().signum())
+    }
+
+    /// Whether an angle that Lenke's criteria take from it may be too small.
+    fn may_be_larger(&self) -> bool {
+        let films = [Some(Posture::Erect), self.straightened_by()];
+        self.unmarked.iter().any(|beside| films.contains(&Some(beside.posture)))
+    }
+}
+
+/// A vertebra of L4 to T2 that a film does not show, beside an end vertebra that was chosen on this film: it may be the end vertebra.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnmarkedNeighbour {
+    /// The film.
+    pub posture: Posture,
+    /// The end vertebra.
+    pub end: Level,
+    /// The vertebra beside it.
+    pub level: Level,
+}
+
+impl UnmarkedNeighbour {
+    /// Beside ends that were chosen on a film, given as places on it; at most one for each end, the lower one first.
+    fn of(film: &Outline, ends: [usize; 2]) -> impl Iterator<Item = Self> {
+        let lacks = move |level: &Level| {
+            let shown = film.vertebra(*level).is_some_and(MeasuredVertebra::is_measured);
+            level.model_index().is_some() && !shown
         };
-        self.size_in(posture).map(|angle| angle * self.erect_size().rad().signum())
+        ends.into_iter().filter_map(move |place| {
+            let end = film.vertebrae[place].level;
+            let level = [end.next_below(), end.next_above()].into_iter().flatten().find(lacks)?;
+            Some(Self { posture: film.posture, end, level })
+        })
     }
 }
 
@@ -142,15 +181,19 @@ fn measure_curve(bounds: RegionBounds, outlines: &[&Outline], choice: &EndChoice
         })
     };
     let held = given.unwrap_or_else(|| CurvePlaces::choose(bounds, &film_tilts(erect)).cobb_ends);
-    let angles_on = |film: &&Outline| {
-        let tilts = film_tilts(film);
-        let ends = if choice.rule == EndRule::EachFilm && given.is_none() {
-            CurvePlaces::choose(bounds_on(film)?, &tilts).cobb_ends
+    let each_film = choice.rule == EndRule::EachFilm && given.is_none();
+    let ends_on = |film: &Outline| {
+        Some(if each_film {
+            CurvePlaces::choose(bounds_on(film)?, &film_tilts(film)).cobb_ends
         } else {
             [on(film, held[0])?, on(film, held[1])?]
-        };
-        Some((film.posture, end_angles(ends, &tilts)))
+        })
     };
+    let angles_on =
+        |film: &&Outline| Some((film.posture, end_angles(ends_on(film)?, &film_tilts(film))));
+    let chosen_on = if each_film { outlines.len() } else { usize::from(given.is_none()) };
+    let unmarked_on =
+        |film| ends_on(film).into_iter().flat_map(move |ends| UnmarkedNeighbour::of(film, ends));
     let ferguson_on = |film: &&Outline| {
         let bounds = bounds_on(film)?;
         Some((film.posture, bounds.ferguson_angle(|i| film.vertebrae[i].location)))
@@ -163,6 +206,7 @@ fn measure_curve(bounds: RegionBounds, outlines: &[&Outline], choice: &EndChoice
         angles: outlines.iter().filter_map(angles_on).collect(),
         ferguson: outlines.iter().filter_map(ferguson_on).collect(),
         flexibility: None,
+        unmarked: outlines[..chosen_on].iter().copied().flat_map(unmarked_on).collect(),
     };
     curve.convex = convex_side(curve.erect_size());
     let size = curve.erect_size().abs();
@@ -190,17 +234,39 @@ pub struct LenkeType {
 ///
 /// A minor curve is structural when at least 25° remain on the bend to its convex side. Kyphosis, which may make a
 /// curve structural too, the lumbar and the sagittal modifier need what these films do not show.
-/// `None` where a bending film is missing, no curve reaches 10°, or the structural curves make no type.
+/// `None` where a bending film is missing, no curve reaches 10°, the structural curves make no type, or the type depends on
+/// an angle that may be too small.
 ///
 /// # References
 /// [lenke-2001].
 #[must_use]
 pub fn lenke_type(curves: &[ClinicalCurve]) -> Option<LenkeType> {
+    let number = lenke_number(curves, None)?;
+    lenke_doubt(curves).is_none().then_some(LenkeType { number })
+}
+
+/// The first curve whose angle may be too small, where the type differs with this curve as the largest one; `None` also where the
+/// measured angles make no type.
+pub(crate) fn lenke_doubt(curves: &[ClinicalCurve]) -> Option<&ClinicalCurve> {
+    let number = lenke_number(curves, None)?;
+    let changes = |curve: &&ClinicalCurve| lenke_number(curves, Some(curve.region)) != Some(number);
+    curves.iter().filter(|curve| curve.may_be_larger()).find(changes)
+}
+
+/// The number of the type, as measured or with one curve as the largest one, and structural.
+fn lenke_number(curves: &[ClinicalCurve], largest: Option<Region>) -> Option<u8> {
     const STRUCTURAL: Angle = Angle::from_deg(25.0);
     const SCOLIOSIS: Angle = Angle::from_deg(10.0);
+    const LARGEST: Angle = Angle::from_deg(f64::INFINITY);
     let [lumbar, main, proximal] = curves else { return None };
-    let size = |curve: &ClinicalCurve| curve.cobb_in(Posture::Erect).map(Angle::abs);
-    let stays = |curve: &ClinicalCurve| curve.size_when_straightened().map(|a| a >= STRUCTURAL);
+    let size = |curve: &ClinicalCurve| match largest {
+        Some(region) if region == curve.region => Some(LARGEST),
+        _ => curve.cobb_in(Posture::Erect).map(Angle::abs),
+    };
+    let stays = |curve: &ClinicalCurve| match largest {
+        Some(region) if region == curve.region => Some(true),
+        _ => curve.size_when_straightened().map(|angle| angle >= STRUCTURAL),
+    };
     // The proximal thoracic curve is never the major one.
     let lumbar_is_major = size(lumbar)? > size(main)?;
     if size(lumbar)? < SCOLIOSIS && size(main)? < SCOLIOSIS {
@@ -208,14 +274,13 @@ pub fn lenke_type(curves: &[ClinicalCurve]) -> Option<LenkeType> {
     }
     let lumbar_structural = lumbar_is_major || stays(lumbar)?;
     let main_structural = !lumbar_is_major || stays(main)?;
-    let number = match (stays(proximal)?, main_structural, lumbar_structural) {
-        (false, true, false) => 1,
-        (true, true, false) => 2,
-        (false, true, true) if !lumbar_is_major => 3,
-        (true, true, true) => 4,
-        (false, false, true) => 5,
-        (false, true, true) => 6,
-        _ => return None,
-    };
-    Some(LenkeType { number })
+    match (stays(proximal)?, main_structural, lumbar_structural) {
+        (false, true, false) => Some(1),
+        (true, true, false) => Some(2),
+        (false, true, true) if !lumbar_is_major => Some(3),
+        (true, true, true) => Some(4),
+        (false, false, true) => Some(5),
+        (false, true, true) => Some(6),
+        _ => None,
+    }
 }

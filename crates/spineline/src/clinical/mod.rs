@@ -16,9 +16,10 @@ mod space;
 pub use balance::{
     Balance, SacralReference, measure_balance, sacral_line_offset_mm, sacral_reference,
 };
+pub(crate) use curves::lenke_doubt;
 pub use curves::{
-    ClinicalCurve, EndChoice, EndRule, LenkeType, film_tilts, lenke_type, measure_curves,
-    measure_largest_curve,
+    ClinicalCurve, EndChoice, EndRule, LenkeType, UnmarkedNeighbour, film_tilts, lenke_type,
+    measure_curves, measure_largest_curve,
 };
 pub use largest::largest_tilt_difference;
 pub use places::{CobbEnds, CurvePlaces, EndAngles, convex_side, endplate_line};

@@ -6,7 +6,9 @@ use crate::common::{
 };
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::{Level, Posture, Region, Side};
-use spineline::clinical::{ClinicalCurve, CobbEnds, EndChoice, EndRule};
+use spineline::clinical::{
+    ClinicalCurve, CobbEnds, EndAngles, EndChoice, EndRule, UnmarkedNeighbour, lenke_type,
+};
 use spineline::measure::{
     FilmLandmarks, ImageGeometry, Placement, Reading, SpacingPlane, TiltRule, VertebraLandmarks,
 };
@@ -211,6 +213,54 @@ fn given_end_vertebrae_are_noted_and_a_pair_beside_the_curve_gives_no_lenke_type
     assert_eq!(unseen.movement.clinical[index].ends, found.movement.clinical[index].ends);
     let text = &warned(&unseen, WarningCode::EndVertebraeUnusual, None).message;
     assert!(text.contains("T12/T1"), "{text}");
+}
+
+/// A curve convex to the left with Cobb angles on the erect film and the left bend.
+fn left_curve(region: Region, degrees: [f64; 2]) -> ClinicalCurve {
+    let [erect, bent] = degrees.map(|degrees| {
+        let angle = Angle::from_deg(degrees);
+        EndAngles { tilt_range: angle, cobb: Some(angle) }
+    });
+    ClinicalCurve {
+        region,
+        ends: CobbEnds { inferior: Level::T9, superior: Level::T4 },
+        apex: Level::T7,
+        convex: Some(Side::Left),
+        angles: vec![(Posture::Erect, erect), (Posture::LeftBending, bent)],
+        ferguson: Vec::new(),
+        flexibility: None,
+        unmarked: Vec::new(),
+    }
+}
+
+#[test]
+fn a_curve_that_may_be_larger_leaves_a_lenke_type_only_where_it_changes_nothing() {
+    // Oracle: the table of Lenke's types, by hand. Lumbar, main and proximal curve, each erect and bent.
+    let (one, two) =
+        ([[30.0, 10.0], [60.0, 40.0], [20.0, 10.0]], [[30.0, 10.0], [60.0, 40.0], [40.0, 30.0]]);
+    let (three, five) =
+        ([[40.0, 30.0], [60.0, 40.0], [20.0, 10.0]], [[60.0, 40.0], [40.0, 20.0], [20.0, 10.0]]);
+    let [lumbar, main, proximal] = Region::ALL;
+    for (degrees, doubted, posture, expected) in [
+        (one, None, Posture::Erect, Some(1)),
+        (one, Some(proximal), Posture::Erect, None),
+        (one, Some(proximal), Posture::LeftBending, None),
+        (one, Some(proximal), Posture::Traction, Some(1)),
+        (one, Some(lumbar), Posture::Erect, None),
+        (one, Some(main), Posture::Erect, Some(1)),
+        (two, Some(proximal), Posture::Erect, Some(2)),
+        (three, None, Posture::Erect, Some(3)),
+        (three, Some(lumbar), Posture::Erect, None),
+        (five, Some(lumbar), Posture::Erect, Some(5)),
+        (five, Some(main), Posture::Erect, None),
+    ] {
+        let mut curves = [0, 1, 2].map(|i| left_curve(Region::ALL[i], degrees[i]));
+        for curve in curves.iter_mut().filter(|curve| doubted == Some(curve.region)) {
+            curve.unmarked.push(UnmarkedNeighbour { posture, end: Level::T4, level: Level::T3 });
+        }
+        let found = lenke_type(&curves).map(|lenke| lenke.number);
+        assert_eq!(found, expected, "{degrees:?}, {doubted:?}, {posture}");
+    }
 }
 
 #[test]

@@ -142,6 +142,63 @@ fn a_curve_says_that_the_vertebra_beside_its_end_is_not_marked() {
     assert!(of(&middle).0.is_empty());
 }
 
+/// Warnings that a vertebra beside an end is not marked.
+fn is_warned(found: &Analysis, level: Level) -> bool {
+    found.warnings.all().iter().any(|one| {
+        one.code == WarningCode::EndVertebraNotMarked
+            && (one.posture, one.level) == (Some(Posture::Erect), Some(level))
+    })
+}
+
+#[test]
+fn a_curve_that_ends_at_the_end_of_the_film_may_be_larger() {
+    let top = Region::ProximalThoracic.index();
+    let base = Region::ThoracolumbarLumbar.index();
+    let mut reasons = 0;
+    for (hidden, end, beside, place) in [
+        (vec![Level::T2], Level::T3, Level::T2, top),
+        (vec![Level::T3, Level::T2], Level::T4, Level::T3, top),
+        (vec![Level::L4], Level::L3, Level::L4, base),
+    ] {
+        let mut warned = 0;
+        for subject in 0..6 {
+            let mut case = exact_case(subject);
+            for film in &mut case.films {
+                hide(film, |level| hidden.contains(&level));
+            }
+            let films = case.films.iter().map(mirror_image).collect();
+            let found = movement(&case);
+            let curve = &found.movement.clinical[place];
+            let doubted = [curve.ends.inferior, curve.ends.superior].contains(&end);
+            let mirrored = movement(&Case { films, ..case.clone() });
+            for one in [&found, &mirrored] {
+                assert_eq!(is_warned(one, beside), doubted, "{subject}, {beside}");
+            }
+            assert_eq!(found.movement.lenke, mirrored.movement.lenke);
+            if !doubted {
+                continue;
+            }
+            warned += 1;
+            // Such a type differs with a structural proximal, or with the largest lumbar curve.
+            let changed: &[u8] = if place == top { &[1, 3, 5, 6] } else { &[1, 2, 3] };
+            assert!(found.movement.lenke.is_none_or(|lenke| !changed.contains(&lenke.number)));
+            let said = format!("it depends on the {} curve", curve.region);
+            reasons += usize::from(found.lenke_words().contains(&said));
+            // The erect film alone, and ends that the user has picked.
+            let mut alone = case.clone();
+            alone.films.retain(|film| film.posture == Posture::Erect);
+            assert!(is_warned(&movement(&alone), beside));
+            let mut ends = EndChoice::default();
+            ends.given[place] = Some(curve.ends);
+            let options = AnalysisOptions { ends, ..on_a_table() };
+            let picked = analyze_movement(&case, &options).expect("a case that can be analysed");
+            assert!(!is_warned(&picked, beside));
+        }
+        assert!(warned > 0, "no curve ends at {end}");
+    }
+    assert!(reasons > 0, "no type depends on a curve that may be larger");
+}
+
 #[test]
 fn a_vertebra_hidden_on_one_bend_leaves_the_bend_in_the_fit() {
     let case = exact_case(0);
