@@ -22,7 +22,7 @@ pub const WIDTH: usize = 100;
 /// Lines after the first one of a paragraph begin with it.
 const HANGING: &str = "  ";
 
-/// The document as text of at most `width` columns, unless a single word or a table of numbers is wider. A figure is named
+/// The document as text of at most `width` columns, unless a single word or number is wider. A figure is named
 /// in one line; the embedded analysis is left out.
 #[must_use]
 pub fn terminal(document: &Document, width: usize) -> String {

@@ -8,14 +8,56 @@ use crate::document::Table;
 
 /// Between two columns.
 const GAP: &str = "  ";
+/// Characters of a name without marks that stay together: more than in the longest word of a report.
+const LONGEST_PIECE: usize = 24;
 
 /// One table: its caption, heads, rule, rows and note. Heads and columns of words are wrapped where the table is wider than
-/// the width; numbers never are. A long name is broken only where whole words do not fit. Blanks at the start of a cell stay,
-/// and so does its row's place in the order.
+/// the width; numbers never are. A long name is broken only where whole words do not fit, and columns that do not fit all the same
+/// follow below, beside the names of their rows. Blanks at the start of a cell stay, and so does its row's place in the order.
 #[must_use]
 pub fn table(table: &Table, width: usize) -> String {
-    let Parts { head, rows, note } = parts(table, width);
-    [head, rows.concat(), note].concat()
+    let laid_out = |one: &Table| {
+        let Parts { head, rows, note } = parts(one, width);
+        [head, rows.concat(), note].concat()
+    };
+    match &blocks(table, width)[..] {
+        [] => laid_out(table),
+        blocks => blocks.iter().map(laid_out).collect::<Vec<_>>().join("\n"),
+    }
+}
+
+/// A table that is too wide as several tables: each has the columns of words before the first number, which name the rows, and
+/// the next columns that fit, at least one. Empty for a table that fits.
+fn blocks(table: &Table, width: usize) -> Vec<Table> {
+    let least = Cells::of(table).least(longest_piece);
+    let needed = |columns: &[usize]| columns.iter().map(|&i| least[i] + GAP.len()).sum::<usize>();
+    let all: Vec<usize> = (0..least.len()).collect();
+    let limit = width.saturating_add(GAP.len());
+    let names = table.columns.iter().position(|column| column.numeric).unwrap_or(1).max(1);
+    if needed(&all) <= limit || names >= all.len() {
+        return Vec::new();
+    }
+    let (names, others) = all.split_at(names);
+    let mut blocks: Vec<Vec<usize>> = Vec::new();
+    for &column in others {
+        match blocks.last_mut() {
+            Some(block) if needed(block) + needed(&[column]) <= limit => block.push(column),
+            _ => blocks.push([names, &[column]].concat()),
+        }
+    }
+    let last = blocks.len() - 1;
+    let text = |is_here: bool, text: &String| if is_here { text.clone() } else { String::new() };
+    let block = |(place, columns): (usize, &Vec<usize>)| Table {
+        caption: text(place == 0, &table.caption),
+        columns: columns.iter().map(|&i| table.columns[i].clone()).collect(),
+        rows: table
+            .rows
+            .iter()
+            .map(|row| columns.iter().map(|&i| row[i].clone()).collect())
+            .collect(),
+        note: text(place == last, &table.note),
+    };
+    blocks.iter().enumerate().map(block).collect()
 }
 
 /// The lines of a table.
@@ -29,12 +71,10 @@ pub(crate) struct Parts {
 
 /// The lines of a table, between which other lines may stand.
 pub(crate) fn parts(table: &Table, width: usize) -> Parts {
-    let heads: Vec<String> = table.columns.iter().map(|column| plain(&column.head)).collect();
-    let rows: Vec<Vec<String>> =
-        table.rows.iter().map(|row| row.iter().map(|cell| indented(cell)).collect()).collect();
-    let numeric: Vec<bool> = table.columns.iter().map(|column| column.numeric).collect();
-    let gaps = GAP.len() * heads.len().saturating_sub(1);
-    let widths = widths(&heads, &rows, &numeric, width.saturating_sub(gaps));
+    let cells = Cells::of(table);
+    let gaps = GAP.len() * cells.heads.len().saturating_sub(1);
+    let widths = cells.widths(width.saturating_sub(gaps));
+    let Cells { heads, rows, numeric } = cells;
     let mut head = String::new();
     if !table.caption.is_empty() {
         head.push_str(&super::hanging(&table.caption, width));
@@ -59,41 +99,55 @@ fn indented(cell: &str) -> String {
     format!("{}{}", " ".repeat(blanks), plain(cell))
 }
 
-/// The width of every column. Cells have one line where there is room; then heads have as few lines as possible. Where
-/// cells need more room than there is, the widest columns of words are narrowed, first to whole words and then to the pieces of
-/// long names ([`pieces`]).
-fn widths(heads: &[String], rows: &[Vec<String>], numeric: &[bool], room: usize) -> Vec<usize> {
-    let column = |i: usize| rows.iter().map(move |row| row[i].as_str());
-    let full: Vec<usize> = (0..heads.len())
-        .map(|i| column(i).map(str::width).fold(narrowest(&heads[i]), usize::max))
-        .collect();
-    let least = |longest: fn(&str) -> usize| -> Vec<usize> {
-        let of = |i: usize| {
-            if numeric[i] {
-                full[i]
-            } else {
-                column(i).map(longest).fold(narrowest(&heads[i]), usize::max)
-            }
-        };
-        (0..heads.len()).map(of).collect()
-    };
-    let fits = |widths: &Vec<usize>| widths.iter().sum::<usize>() <= room;
-    if fits(&full) {
-        let longest = heads.iter().map(|head| head.width()).max().unwrap_or(0);
-        let in_lines = |lines: usize| -> Vec<usize> {
-            let with_head = |(head, &full): (&String, &usize)| full.max(width_in(head, lines));
-            heads.iter().zip(&full).map(with_head).collect()
-        };
-        return (1..=longest).map(in_lines).find(fits).unwrap_or(full);
+/// The heads and cells of a table as plain text.
+struct Cells {
+    heads: Vec<String>,
+    rows: Vec<Vec<String>>,
+    numeric: Vec<bool>,
+}
+
+impl Cells {
+    fn of(table: &Table) -> Self {
+        let cells = |row: &Vec<String>| row.iter().map(|cell| indented(cell)).collect();
+        Self {
+            heads: table.columns.iter().map(|column| plain(&column.head)).collect(),
+            rows: table.rows.iter().map(cells).collect(),
+            numeric: table.columns.iter().map(|column| column.numeric).collect(),
+        }
     }
-    let narrowed = |least: &[usize]| -> Option<Vec<usize>> {
-        let to = |limit: usize| -> Vec<usize> {
-            full.iter().zip(least).map(|(&full, &least)| full.min(limit).max(least)).collect()
+
+    /// The width of every column that holds its head in any number of lines, its numbers, and this part of its words.
+    fn least(&self, of_words: fn(&str) -> usize) -> Vec<usize> {
+        let of = |i: usize| {
+            let part: fn(&str) -> usize = if self.numeric[i] { str::width } else { of_words };
+            self.rows.iter().map(|row| part(&row[i])).fold(narrowest(&self.heads[i]), usize::max)
         };
-        (1..=room).rev().map(to).find(fits)
-    };
-    let in_pieces = least(longest_piece);
-    narrowed(&least(longest_word)).or_else(|| narrowed(&in_pieces)).unwrap_or(in_pieces)
+        (0..self.heads.len()).map(of).collect()
+    }
+
+    /// The width of every column. Cells have one line where there is room; then heads have as few lines as possible. Where
+    /// cells need more room than there is, the widest columns of words are narrowed, first to whole words and then to the pieces of
+    /// long names ([`pieces`]).
+    fn widths(&self, room: usize) -> Vec<usize> {
+        let full = self.least(str::width);
+        let fits = |widths: &Vec<usize>| widths.iter().sum::<usize>() <= room;
+        if fits(&full) {
+            let longest = self.heads.iter().map(|head| head.width()).max().unwrap_or(0);
+            let in_lines = |lines: usize| -> Vec<usize> {
+                let with_head = |(head, &full): (&String, &usize)| full.max(width_in(head, lines));
+                self.heads.iter().zip(&full).map(with_head).collect()
+            };
+            return (1..=longest).map(in_lines).find(fits).unwrap_or(full);
+        }
+        let narrowed = |least: &[usize]| -> Option<Vec<usize>> {
+            let to = |limit: usize| -> Vec<usize> {
+                full.iter().zip(least).map(|(&full, &least)| full.min(limit).max(least)).collect()
+            };
+            (1..=room).rev().map(to).find(fits)
+        };
+        let in_pieces = self.least(longest_piece);
+        narrowed(&self.least(longest_word)).or_else(|| narrowed(&in_pieces)).unwrap_or(in_pieces)
+    }
 }
 
 /// The least width in which a head has at most `lines` lines.
@@ -117,7 +171,7 @@ fn longest_piece(cell: &str) -> usize {
     blanks + words(cell).into_iter().flat_map(pieces).map(str::width).max().unwrap_or(0)
 }
 
-/// The pieces of a name, each with the hyphen, point or low line at its end. A number is one piece.
+/// The pieces of a name, each with the hyphen, point or low line at its end; a long piece is cut. A number is one piece.
 fn pieces(word: &str) -> Vec<&str> {
     let mut pieces = Vec::new();
     let mut start = 0;
@@ -131,7 +185,19 @@ fn pieces(word: &str) -> Vec<&str> {
         }
     }
     pieces.push(&word[start..]);
-    pieces
+    pieces.into_iter().flat_map(cut).collect()
+}
+
+/// A piece in parts of at most [`LONGEST_PIECE`] characters.
+fn cut(mut piece: &str) -> Vec<&str> {
+    let mut parts = Vec::new();
+    while let Some((place, _)) = piece.char_indices().nth(LONGEST_PIECE) {
+        let (part, rest) = piece.split_at(place);
+        parts.push(part);
+        piece = rest;
+    }
+    parts.push(piece);
+    parts
 }
 
 /// A cell in lines; those after the first one begin below its first word.
@@ -257,6 +323,37 @@ mod tests {
             ["phantom-weight-   not_identified.   12.1", "and-couple-01-    yet 0.45 mm", "hinges"]
         );
         assert!(table(&rows, 61).contains(name), "whole words fit");
+    }
+
+    #[test]
+    fn a_long_name_without_marks_is_cut_where_it_does_not_fit() {
+        let columns = vec![Column::words("Patient"), Column::numbers("mm")];
+        let mut rows = Table::new("", columns);
+        let name = "ABCDEF".repeat(10);
+        rows.row(vec![name.clone(), "12.1".to_owned()]);
+        let text = table(&rows, 40);
+        assert!(text.lines().all(|line| line.width() <= 40), "{text}");
+        let letters: String = text.lines().skip(2).collect::<String>().replace("12.1", "");
+        assert_eq!(letters.replace(' ', ""), name);
+        assert!(table(&rows, 66).contains(&name), "the whole name fits");
+    }
+
+    #[test]
+    fn columns_that_do_not_fit_follow_below_beside_the_names_of_their_rows() {
+        let heads = ["Fitted", "Left out", "BIC"].map(Column::numbers);
+        let columns = [Column::words("Load")].into_iter().chain(heads).collect();
+        let mut rows = Table::new("Errors", columns);
+        rows.row(["couple", "10.25", "11.25", "-120"].map(str::to_owned).to_vec());
+        rows.note = "In mm.".to_owned();
+        let [wide, narrow] = [21, 12].map(|width| "─".repeat(width));
+        assert_eq!(
+            table(&rows, 21),
+            format!(
+                "Errors\n{:>21}\nLoad    Fitted    out\n{wide}\ncouple   10.25  11.25\n\n\
+                 Load     BIC\n{narrow}\ncouple  -120\n  In mm.\n",
+                "Left"
+            )
+        );
     }
 
     #[test]

@@ -190,12 +190,13 @@ fn a_fit_that_found_no_value_says_so() {
 
 #[test]
 fn requested_loads_and_bases_are_shown() {
-    let case = case(0, Scenario::Rod);
-    let asked = ["inflection_line", "couple"];
-    let hypotheses: Vec<Hypothesis> = asked.map(|name| name.parse().expect("a load")).to_vec();
+    let case = Case { id: "P".repeat(60), ..case(0, Scenario::Rod) };
+    let hypotheses = Hypothesis::compared();
     let options = AnalysisOptions { hypotheses, ..AnalysisOptions::default() };
     let analysis = analyze(&case, &options).expect("a phantom is sound");
-    let text = terminal(&summary(&case, &analysis, None, None), WIDE);
+    let document = summary(&case, &analysis, None, None);
+    assert_fits(&document);
+    let text = terminal(&document, WIDE);
     assert!(text.contains("Loads and bases compared (synthetic)"), "{text}");
     // One patient has no interval and no test.
     let caption = "Loads and bases less predictions without mechanics, bends left out (mm)\n";
@@ -363,6 +364,14 @@ pub fn tables(document: &Document) -> Vec<&Table> {
     tables.collect()
 }
 
+/// No line is longer than outside of a terminal.
+fn assert_fits(document: &Document) {
+    let text = terminal(document, terminal::WIDTH);
+    let long: Vec<&str> =
+        text.lines().filter(|line| line.chars().count() > terminal::WIDTH).collect();
+    assert!(long.is_empty(), "{long:#?}");
+}
+
 /// Every word of every cell is in the text, and no line is longer than the width.
 fn assert_whole(document: &Document) {
     let text = terminal(document, WIDTH);
@@ -371,6 +380,7 @@ fn assert_whole(document: &Document) {
         assert!(line.chars().count() <= WIDTH, "{line}\n{text}");
         assert_eq!(line, line.trim_end(), "blanks at the end");
     }
+    assert_fits(document);
     for table in tables(document) {
         let shown = terminal::table(table, WIDTH);
         assert!(text.contains(&shown), "{}", table.caption);

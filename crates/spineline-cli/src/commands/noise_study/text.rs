@@ -49,7 +49,7 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
     text.push_str(&terminal::paragraph(
         "A claim holds where the whole 95 % interval over patients supports it, and fails where the whole interval contradicts it; \
          otherwise it is open. `to x mm`: holds at every noise from 0 to x. `reversed`: the opposite holds at every noise.",
-        100,
+        terminal::WIDTH,
         "  ",
     ));
     text
@@ -68,7 +68,7 @@ fn table(
             add.numbers(name, |&scenario| verdict(points, claim, scenario, *way));
         }
     });
-    format!("\n{}", terminal::table(&table, usize::MAX))
+    format!("\n{}", terminal::table(&table, terminal::WIDTH))
 }
 
 /// Where a claim holds, along the noise.

@@ -21,7 +21,7 @@ use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::{figures_of, write_figures};
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print, width};
+use crate::run::outputs::{Outputs, OverwriteArgs, entry_width, is_stdout, print, width};
 use crate::run::pdf::attached;
 use crate::run::provenance::this_run;
 use difference::{Found, differences};
@@ -280,6 +280,6 @@ fn found_text(found: &Found, tolerance: f64) -> String {
     format!(
         "  {} of {compared} differ by more than {tolerance:e}\n\n{}",
         found.all.len(),
-        terminal::table(&table, usize::MAX)
+        terminal::table(&table, entry_width())
     )
 }
