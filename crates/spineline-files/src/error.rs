@@ -31,7 +31,7 @@ spineline::faults! {
             source: std::io::Error,
         },
         /// The file is not text in UTF-8.
-        #[error("{}: its text is {}, and must be UTF-8", path.display(), if *utf_16 { "UTF-16 (Excel's Unicode text)".to_owned() } else { format!("no UTF-8 (byte {at})") })]
+        #[error("{}: its text is {}", path.display(), if *utf_16 { "UTF-16 (Excel's Unicode text) instead of UTF-8".to_owned() } else { format!("not UTF-8 (byte {at})") })]
         #[help("save the file as UTF-8; in Excel as `CSV UTF-8`")]
         NotUtf8 {
             path: PathBuf,

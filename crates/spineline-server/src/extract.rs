@@ -40,7 +40,7 @@ pub struct WithBody<B, R>(pub B, pub R);
 
 impl<B, R> FromRequest<AppState> for WithBody<B, R>
 where
-    B: FromRequest<AppState, Rejection = Failure>,
+    B: FromRequest<AppState, Rejection = Failure> + Send,
     R: FromRequestParts<AppState, Rejection = Failure>,
 {
     type Rejection = Failure;

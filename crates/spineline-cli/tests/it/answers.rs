@@ -6,7 +6,7 @@ use crate::program::{CASE, assert_says, folder, with_phantom, with_phantoms};
 fn a_picture_is_sent_to_import_whatever_its_name_is() {
     let here = folder();
     for (name, start) in
-        [("a.png", &b"junk"[..]), ("b.json", b"\x89PNG\r\n"), ("c", b"\xff\xd8\xff\xe0")]
+        [("a.png", &b"junk"[..]), ("b.json", b"\x89PNG\r\n\x1a\n"), ("c", b"\xff\xd8\xff\xe0")]
     {
         here.write(name, start);
         for command in ["analyze", "check", "report"] {

@@ -239,7 +239,7 @@ fn wrong_options_are_refused_with_the_valid_ones() {
         (["analyze", "x.json", "--min-curve", "-5"], "0 to 90 degrees"),
         (["analyze", "x.json", "--threads", "-1"], "0 (all cores) to 1024"),
         (["phantom", "--out=x", "--noise", "-1"], "from 0 to 10"),
-        (["import", "--list", "--spacing", "-1,1,patient"], "both must be above"),
+        (["import", "--list", "--spacing", "-1,1,patient"], "both must be from 0.01 to 5 mm"),
         (["serve", "x.spineline", "--host", "not a host"], "host name"),
         (["serve", "x.spineline", "--host", ""], "host name"),
         (["study", "log", "x.spineline", "--by=X"], "makes none"),

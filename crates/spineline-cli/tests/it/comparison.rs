@@ -86,7 +86,7 @@ fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
     let family = tests.iter().filter(|test| test["sign_flip_p"].is_number()).count() as f64;
     let enough = (2..20).find(|&n| family * 2.0 / 2.0_f64.powi(n) < 0.05).expect("few tests");
     let few = format!(
-        "Too few patients to test which line predicts better: {family} tests need {enough} patients with films that both predict; here at most "
+        "Too few patients to test which line predicts better: {family} tests need {enough} patients with films that both predict; at most "
     );
     assert!(text.contains(&few), "{few}\n{text}");
     assert!(!text.contains("predicts significantly better"), "{text}");

@@ -47,7 +47,7 @@ fn a_reading_or_a_plan_that_is_there_needs_no_other_name() {
     let twice = lead.post("/api/studies/S-1/plan", &plan);
     assert_eq!((twice.status, twice.code().as_str()), (StatusCode::CONFLICT, "exists"));
     let said = texts(&twice.json());
-    assert!(said.contains("can be changed") && !said.contains("another name"), "{said}");
+    assert!(said.contains("changes the plan") && !said.contains("another name"), "{said}");
 }
 
 #[test]

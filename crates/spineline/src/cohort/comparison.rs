@@ -120,7 +120,7 @@ pub fn too_few_words<'a>(
     untested: impl IntoIterator<Item = &'a PairedComparison>,
 ) -> String {
     let most = untested.into_iter().map(PairedComparison::patients).max().unwrap_or_default();
-    format!("{}; here at most {most} have them", enough_words(tests))
+    format!("{}; at most {most} have them", enough_words(tests))
 }
 
 #[cfg(test)]
@@ -153,7 +153,7 @@ mod tests {
         let mut thirty = vec![comparison(&[1.0; 10]); 30];
         thirty[4] = comparison(&[1.0; 7]);
         let words = too_few_words(30, &thirty);
-        assert_eq!(words, format!("30 tests need 11 {both}; here at most 10 have them"));
+        assert_eq!(words, format!("30 tests need 11 {both}; at most 10 have them"));
         assert!(words.len() <= 100, "{words}");
         // One test needs six patients: 2/32 is above 0.05.
         assert_eq!(enough_words(1), format!("1 test needs 6 {both}"));
