@@ -343,7 +343,7 @@ fn a_place_that_cannot_be_written_is_refused_before_any_work() {
 }
 
 #[test]
-fn the_standard_output_takes_any_one_file() {
+fn the_standard_output_takes_any_file_but_one_only() {
     let here = samples();
     for command in TO_FILE.iter().filter(|command| !command.contains(&"md")) {
         let before = content(here.folder());
@@ -354,15 +354,9 @@ fn the_standard_output_takes_any_one_file() {
             here.iter().filter(|file| !before.contains(file)).map(|(name, _)| name).collect();
         assert!(more.is_empty(), "{command:?} wrote {more:?}");
     }
-}
-
-#[test]
-fn the_standard_output_takes_one_file_only() {
-    let here = samples();
     let before = content(here.folder());
     // Markdown has its figures beside it.
-    let markdown = TO_FILE.iter().filter(|command| command.contains(&"md"));
-    for command in TO_FOLDER.iter().chain(markdown) {
+    for command in TO_FOLDER.iter().chain(TO_FILE.iter().filter(|file| file.contains(&"md"))) {
         here.refused(&with(command, "-"), 2);
         assert!(before == content(here.folder()) && !here.path("-").exists(), "{command:?}");
     }

@@ -13,7 +13,7 @@ use spineline_landmarks::{
     judge_aasce, parse_mat,
 };
 
-use crate::faults::count_vertebrae;
+use crate::count_vertebrae;
 
 /// Rows of the training set.
 const ROWS: usize = 481;

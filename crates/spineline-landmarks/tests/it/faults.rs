@@ -7,11 +7,11 @@ use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{CornerFault, ImageGeometry, MeasureFault};
 use spineline::spatial::{Angle, Pixel};
 use spineline_landmarks::{
-    LandmarkError, LandmarkHint, LandmarkReadings, LandmarkTarget, MAX_ROWS, MarkedFilm,
-    export_landmarks, parse_coco, parse_csv, parse_labelme, parse_landmarks, parse_slicer,
+    LandmarkError, LandmarkHint, LandmarkReadings, LandmarkTarget, MAX_ROWS, export_landmarks,
+    parse_coco, parse_csv, parse_labelme, parse_landmarks, parse_slicer,
 };
 
-use crate::exchange;
+use crate::{count_vertebrae, exchange};
 
 pub const HEADING: &str = "posture,observer,repeat,vertebra,superior_left_column_px,superior_left_row_px,superior_right_column_px,\
 superior_right_row_px,inferior_left_column_px,inferior_left_row_px,inferior_right_column_px,inferior_right_row_px";
@@ -22,16 +22,6 @@ pub fn hint() -> LandmarkHint {
 
 pub fn image() -> ImageGeometry {
     ImageGeometry { columns: 1000, rows: 2000, spacing: None, patient_left: ImageSide::Right }
-}
-
-/// Number of vertebrae over all readings.
-pub fn count_vertebrae(film: &MarkedFilm) -> usize {
-    match &film.landmarks {
-        LandmarkReadings::Corners(readings) => readings.iter().map(|one| one.vertebrae.len()).sum(),
-        LandmarkReadings::Placements(readings) | LandmarkReadings::SurfaceMidlines(readings) => {
-            readings.iter().map(|one| one.vertebrae.len()).sum()
-        }
-    }
 }
 
 /// A row of a straight spine; the patient's left is the picture's right.
@@ -484,15 +474,6 @@ fn files_without_landmarks_are_reported() {
         assert!(error.contains(part), "{error}");
     }
     let deep = "[".repeat(100_000);
-    let latin_1 = |text: &str| -> Vec<u8> {
-        text.bytes().map(|byte| if byte == b'?' { 0xfc } else { byte }).collect()
-    };
-    let rows = [row(Level::L4).replace(",A,", ",M?ller,")];
-    for text in [" {\"markups\":\"M?ller\"}", &table(&rows)] {
-        let error = parse_landmarks(&latin_1(text), &hint()).expect_err(text);
-        assert!(matches!(error.cause(), LandmarkError::Encoding { .. }), "{error}");
-        assert!(error.help().contains("UTF-8"), "{}", error.help());
-    }
     assert!(parse_landmarks(format!("{{\"markups\":{deep}").as_bytes(), &hint()).is_err());
 }
 

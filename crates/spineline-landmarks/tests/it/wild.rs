@@ -7,7 +7,8 @@ use spineline_landmarks::{
     parse_labelme, parse_landmarks, parse_mat, parse_slicer,
 };
 
-use crate::faults::{HEADING, count_vertebrae, hint, image};
+use crate::count_vertebrae;
+use crate::faults::{HEADING, hint, image};
 
 const CORNERS: [&str; 4] = ["superior_left", "superior_right", "inferior_left", "inferior_right"];
 
@@ -410,4 +411,17 @@ fn names_of_pictures_are_kept_whole() {
     let LandmarkReadings::Corners(readings) = &file.films[0].landmarks else { panic!("corners") };
     assert_eq!(readings[0].vertebrae.len(), 2);
     assert!(parse_csv(b"", &hint()).is_err());
+}
+
+#[test]
+fn text_that_is_not_utf_8_is_refused_with_the_way_to_save_it() {
+    let latin_1 = |text: &str| -> Vec<u8> {
+        text.bytes().map(|byte| if byte == b'?' { 0xfc } else { byte }).collect()
+    };
+    let rows = table().replace(",A,", ",M?ller,");
+    for text in [" {\"markups\":\"M?ller\"}", &rows] {
+        let error = parse_landmarks(&latin_1(text), &hint()).expect_err(text);
+        assert!(matches!(error.cause(), LandmarkError::Encoding { .. }), "{error}");
+        assert!(error.help().contains("UTF-8"), "{}", error.help());
+    }
 }

@@ -5,6 +5,7 @@ mod common;
 mod figures;
 mod layout;
 mod loaded;
+mod marks;
 mod reports;
 mod reproduction;
 mod scale;

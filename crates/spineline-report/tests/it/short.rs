@@ -393,3 +393,19 @@ fn warnings_are_one_line_per_code() {
         }
     }
 }
+
+#[test]
+fn an_empty_cohort_says_so() {
+    let document = cohort::summary(&rows(&[], &cohort_of(&[])));
+    assert!(terminal(&document, terminal::WIDTH).contains("No case could be analysed."));
+}
+
+#[test]
+fn a_single_film_has_no_models_and_no_empty_sections() {
+    let mut alone = case(0, Scenario::Rod);
+    alone.films.truncate(1);
+    let document = patient::full(&shown(&alone, &analyzed(&alone), ""));
+    let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
+    assert_eq!(ids, ["short", "verdict", "films"]);
+    assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
+}

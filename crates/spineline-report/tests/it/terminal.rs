@@ -345,16 +345,6 @@ fn every_warning_names_case_place_and_code() {
     }
 }
 
-#[test]
-fn a_single_film_has_no_models_and_no_empty_sections() {
-    let mut alone = case(0, Scenario::Rod);
-    alone.films.truncate(1);
-    let document = summary(&alone, &analyzed(&alone), None, None);
-    let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
-    assert_eq!(ids, ["short", "verdict", "films"]);
-    assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
-}
-
 pub fn tables(document: &Document) -> Vec<&Table> {
     let blocks = document.sections.iter().flat_map(|section| &section.blocks);
     let tables = blocks.filter_map(|block| match block {
@@ -459,12 +449,6 @@ fn a_cohort_shows_every_patient_line_and_test() {
     for said in [compared.believe_words().to_owned(), compared.family_words()] {
         assert!(words(&text).contains(&words(&said)), "{said}");
     }
-}
-
-#[test]
-fn an_empty_cohort_says_so() {
-    let document = cohort::summary(&rows(&[], &cohort_of(&[])));
-    assert!(terminal(&document, WIDTH).contains("No case could be analysed."));
 }
 
 #[test]

@@ -431,9 +431,9 @@ impl LinesCompared {
 
     /// That no line predicts the films of a ranking, and by which limit.
     pub(super) fn no_prediction_words(&self, ranking: &Ranking) -> String {
-        let best = ranking.best();
-        let numbers = self.per_predicted_film(FilmPredictor::Line(best.0));
-        no_prediction_words(numbers, &self.ranked_films_words(ranking), best)
+        let (best, mm) = ranking.best();
+        let numbers = self.per_predicted_film(FilmPredictor::Line(best));
+        no_prediction_words(numbers, &self.ranked_films_words(ranking), best, mm)
     }
 
     /// The films of a ranking, after "on".
@@ -457,13 +457,9 @@ pub(super) fn line_with_numbers(per_film: usize) -> String {
 }
 
 /// That no line with this count of numbers per film predicts films, and by which limit.
-pub(crate) fn no_prediction_words(
-    per_film: usize,
-    films: &str,
-    (kind, mm): (LineKind, f64),
-) -> String {
+pub(crate) fn no_prediction_words(per_film: usize, films: &str, best: LineKind, mm: f64) -> String {
     format!(
-        "No {} predicts {films}: the smallest mean error, with the {kind}, is {} mm, above the limit of {} mm.",
+        "No {} predicts {films}: the smallest mean error, with the {best}, is {} mm, above the limit of {} mm.",
         line_with_numbers(per_film),
         fixed(mm, 1),
         fixed(Ranking::MAX_PREDICTED_MM, 0)

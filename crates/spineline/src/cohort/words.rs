@@ -134,9 +134,9 @@ impl LinesOverPatients {
         let of_role = |role| {
             let fair = self.of_role(role).filter(is_fair);
             let errors = fair.map(|errors| (errors.kind, errors.mean_location_mm()));
-            let best = errors.min_by(|a, b| a.1.total_cmp(&b.1))?;
-            (best.1 > Ranking::MAX_PREDICTED_MM)
-                .then(|| no_prediction_words(few, role.films_words(), best))
+            let (best, mm) = errors.min_by(|a, b| a.1.total_cmp(&b.1))?;
+            (mm > Ranking::MAX_PREDICTED_MM)
+                .then(|| no_prediction_words(few, role.films_words(), best, mm))
         };
         FilmRole::PREDICTED.into_iter().filter_map(of_role).collect()
     }

@@ -2,13 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::values::fitted_model;
 use crate::action::LineKind;
 use crate::analysis::{Analysis, LineModel};
 use crate::anatomy::{Level, Posture, Region, named};
 use crate::clinical::SagittalPart;
 use crate::measure::LengthScale;
-use crate::personalize::{MULTIPLIER_COVERAGE, StiffnessBound};
+use crate::personalize::MULTIPLIER_COVERAGE;
 
 named! {
     /// What is measured. Its film, vertebra and so on are in [`AnalysisQuantity`].
@@ -329,14 +328,6 @@ impl AnalysisQuantity {
             }
             _ => true,
         }
-    }
-
-    /// Whether it is a multiplier that bounds of a converged fit determine: its bound, or the bounds of all others.
-    pub(super) fn is_at_bound(self, analysis: &Analysis) -> bool {
-        let Some((line, place)) = self.line.zip(self.multiplier) else { return false };
-        let Ok(LineModel { fit, .. }) = fitted_model(analysis, line) else { return false };
-        let is_bound = fit.bounds.get(place).is_some_and(|&one| one != StiffnessBound::Inside);
-        is_bound || fit.has_one_inside(analysis.options.gauge)
     }
 }
 

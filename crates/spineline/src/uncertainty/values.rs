@@ -6,7 +6,7 @@ use crate::analysis::{Analysis, FilmMovement, LineModel};
 use crate::anatomy::named;
 use crate::clinical::SpatialMeasures;
 use crate::evaluate::Simulation;
-use crate::personalize::FitStatus;
+use crate::personalize::{FitStatus, StiffnessBound};
 use crate::spatial::Angle;
 
 named! {
@@ -24,6 +24,14 @@ named! {
 }
 
 impl AnalysisQuantity {
+    /// Whether it is a multiplier that bounds of a converged fit determine: its bound, or the bounds of all others.
+    pub(super) fn is_at_bound(self, analysis: &Analysis) -> bool {
+        let Some((line, place)) = self.line.zip(self.multiplier) else { return false };
+        let Ok(LineModel { fit, .. }) = fitted_model(analysis, line) else { return false };
+        let is_bound = fit.bounds.get(place).is_some_and(|&one| one != StiffnessBound::Inside);
+        is_bound || fit.has_one_inside(analysis.options.gauge)
+    }
+
     /// Its value in an analysis, in its unit as people see it; `measures` are that analysis's numbers in space, and `nominal` is the
     /// analysis of the case itself.
     pub(super) fn value(
