@@ -160,7 +160,10 @@ def test_the_programs_own_analysis_is_read(
     code = "identifier_repeated"
     warning = {"code": code, "step": "measure", "posture": None, "level": None, "message": "odd"}
     data["warnings"].append(warning)
-    text = json.dumps(data, ensure_ascii=False, indent=2) + "\n"
+    # Replicates are not repeated, so their warning goes with them.
+    interrupted = {**warning, "code": "replicates_interrupted", "step": "evaluate"}
+    written = {**data, "warnings": [*data["warnings"], interrupted]}
+    text = json.dumps(written, ensure_ascii=False, indent=2) + "\n"
     found = sl.Analysis.from_json(text)
     assert found.warnings[-1].code == code and found.data["warnings"] == data["warnings"]
     del data["uncertainty"]
