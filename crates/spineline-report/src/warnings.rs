@@ -54,12 +54,13 @@ impl WarningCounts {
     /// each code. `all` says how a user gets every warning.
     #[must_use]
     pub fn lines(&self, all: &str) -> Vec<Notice> {
-        // The run itself says which replicates were interrupted.
+        // The run itself says how many replicates finished.
         let said = WarningCode::ReplicatesInterrupted.key();
         let codes = self.codes.iter().filter(|((_, code), _)| *code != said);
-        let mut lines: Vec<Notice> = codes.map(|(_, count)| self.line(count)).collect();
+        let codes: Vec<&CodeCount> = codes.map(|(_, count)| count).collect();
+        let mut lines: Vec<Notice> = codes.iter().map(|count| self.line(count)).collect();
         let more = lines.len().saturating_sub(MOST_LINES);
-        let has_others = self.codes.values().any(|count| count.others > 0 || self.patients > 1);
+        let has_others = codes.iter().any(|count| count.others > 0 || self.patients > 1);
         lines.truncate(MOST_LINES);
         if more > 0 {
             let text = format!("{} of warning more: {all}", counted(more, "kind"));

@@ -386,7 +386,7 @@ fn exists_help(object: &str) -> &'static str {
     } else if object.starts_with("the plan ") {
         "load the study again: until the first reading begins, *Change the plan…* or `spineline study plan` changes the plan"
     } else if object.starts_with("study/") {
-        "choose a name that differs in more than upper and lower case"
+        "choose another name, which differs in more than upper and lower case"
     } else {
         NAME_HELP
     }

@@ -148,14 +148,17 @@ pub(crate) fn finish(
             return Err(StoreError::Incomplete { reading, level, corners });
         }
     }
+    let corrected = self::reading(ledger.transaction, reading)?.corrects;
+    if let Some(corrected) = corrected {
+        not_withdrawn(ledger.transaction, corrected)?;
+    }
     ledger.transaction.execute(
         "UPDATE readings SET finished_ms = ?1, rest_from_ms = max(?1, begun_ms,
          (SELECT coalesce(max(time_ms), ?1) FROM events WHERE reading = ?2)) WHERE id = ?2",
         params![ledger.by.at.unix_ms(), reading.0],
     )?;
     let sequence = ledger.seal("finish", "readings", &reading.0)?;
-    if let Some(corrected) = self::reading(ledger.transaction, reading)?.corrects {
-        not_withdrawn(ledger.transaction, corrected)?;
+    if let Some(corrected) = corrected {
         withdrawals::insert(ledger, corrected, &WithdrawalCause::CorrectedBy(reading))?;
     }
     Ok(sequence)

@@ -152,7 +152,7 @@ fn ends_in_json(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
 }
 
-/// Whether a path stands for a case, and neither for a picture nor for a store: by its name, or because the file there is JSON.
+/// Whether a path stands for a case, not for a picture or a store: by its name, or because the file there is JSON.
 pub fn is_case(path: &Path) -> bool {
     let is_json = |start: Vec<u8>| {
         let text = start.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&start);
