@@ -176,11 +176,6 @@ def test_a_copy_of_replicates_keeps_its_table(analysis: sl.Analysis) -> None:
         assert again is mc and len(again.table) > 100
 
 
-def test_one_replicate_has_no_deviation(analysis: sl.Analysis) -> None:
-    spread = sl.replicates(analysis, n=1)["cobb.erect.main_thoracic"]
-    assert (spread.count, spread.sd) == (1, None) and spread.mean is not None
-
-
 def test_few_replicates_have_no_interval(analysis: sl.Analysis) -> None:
     fewest, name = _native.MIN_REPLICATES, "cobb.erect.main_thoracic"
     few = sl.replicates(analysis, n=fewest - 1)
