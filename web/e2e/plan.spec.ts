@@ -289,7 +289,7 @@ test(
     await expect(page.getByText(/^The loads have changed: the computed intervals/)).toBeVisible();
     await expect(angles.getByText(", 95 % interval")).toHaveCount(0);
     await expect(page.getByText(/do not cover the errors of the model/)).toHaveCount(0);
-    await expect(page.getByText(/advanced \(mm\) 12/i)).toBeVisible();
+    await expect(page.getByText(/: 12\.0 mm to the left/)).toBeVisible();
     await expect(angles.getByText(", 95 % interval")).toHaveCount(0);
     await shot(page, "plan-intervals-outdated");
     await expectAccessible(page);
