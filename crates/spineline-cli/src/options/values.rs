@@ -30,7 +30,7 @@ pub fn author(by: Option<&Name>, has_author: bool) -> Result<Name, Failure> {
     }
 }
 
-/// An identifier of a study or of a person in a store; a list may have blanks around its commas.
+/// An identifier of a study or of a person in a store. Blanks around it do not count, as after the commas of a list.
 ///
 /// # Errors
 /// If the text is not allowed as one.

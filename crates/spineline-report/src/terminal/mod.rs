@@ -22,7 +22,7 @@ pub const WIDTH: usize = 100;
 /// Lines after the first one of a paragraph begin with it.
 const HANGING: &str = "  ";
 
-/// The document as text of at most `width` columns, unless a single word or number is wider. A figure is named
+/// The document as text of at most `width` columns, unless a single word, or the names of rows with one column, are wider. A figure is named
 /// in one line; the embedded analysis is left out.
 #[must_use]
 pub fn terminal(document: &Document, width: usize) -> String {
@@ -95,7 +95,7 @@ fn hanging(text: &str, width: usize) -> String {
     lines.join(&format!("\n{HANGING}")) + "\n"
 }
 
-/// Lines of at most `width` columns, unless a single word is wider. The parts of a broken line keep its indent.
+/// Lines of at most `width` columns, unless a single word is wider. The parts of a broken line keep its indent, and have single blanks.
 #[must_use]
 pub fn within(lines: &Lines, width: usize) -> String {
     let broken = |line: &str| -> String {
